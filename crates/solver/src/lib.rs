@@ -1,1 +1,29 @@
-//! To be written.
+//! Interior-point solver for stage-structured nonlinear programs
+//!
+//! ```text
+//! min  Σ_e f_e(x)   s.t.  l ≤ c_e(x) ≤ u  (l = u: equality),   lower ≤ x ≤ upper
+//! ```
+//!
+//! where every *element* e touches few variables and the elements follow one another in time. The solver knows no
+//! robot: a [`Problem`] gives values and derivatives per element, the solver condenses all rows, factorises the
+//! result front by front ([`front`]) and iterates a primal-dual interior-point method ([`interior_point`]).
+//!
+//! Sources: Wächter and Biegler, "On the implementation of an interior-point filter line-search algorithm for
+//! large-scale nonlinear programming" (2006); Nocedal, Wächter, Waltz, "Adaptive barrier update strategies for
+//! nonlinear interior methods" (2009); Duff and Reid, "The multifrontal solution of indefinite sparse symmetric
+//! linear systems" (1983).
+
+mod barrier;
+mod filter;
+pub mod front;
+pub mod interior_point;
+mod kkt;
+mod options;
+mod problem;
+mod report;
+
+pub use interior_point::InteriorPoint;
+pub use kkt::Kkt;
+pub use options::Options;
+pub use problem::{BlockStructure, ElementData, ElementStructure, Problem, Structure};
+pub use report::{Iteration, Report, Status, Timing};

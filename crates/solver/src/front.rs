@@ -1,0 +1,301 @@
+//! Multifrontal Cholesky factorisation of a symmetric matrix given as a sum of element matrices.
+//!
+//! Every variable is eliminated with the last element that touches it, so the *front* of an element holds its own
+//! variables and those carried over from its predecessors. With elements that follow one another in time the fronts
+//! stay small and the cost is linear in their number.
+//!
+//! Source: Duff and Reid 1983; the dense kernels are faer's.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
+use faer::linalg::matmul::triangular::{self, BlockStructure};
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
+use faer::prelude::{Reborrow, ReborrowMut};
+use faer::{Accum, MatMut, MatRef, Par};
+
+use crate::Structure;
+
+/// The matrix is not positive definite: the element and its failed pivot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NotPositiveDefinite {
+    /// Element at whose elimination the pivot failed.
+    pub element: usize,
+}
+
+/// Index lists of one front; constant during a solve.
+#[derive(Debug, Clone)]
+struct Symbolic {
+    /// Global variables of the front, the eliminated ones first.
+    vars: Vec<usize>,
+    /// How many of them are eliminated here.
+    n_eliminated: usize,
+    /// Position in the front of each variable of the element.
+    of_element: Vec<usize>,
+    /// Position in the next front of each carried variable.
+    of_carried: Vec<usize>,
+}
+
+/// Factorisation with its buffers; allocated once.
+pub struct Fronts {
+    symbolic: Vec<Symbolic>,
+    /// Per element the factor's columns, column-major `front × eliminated`.
+    panels: Vec<Vec<f64>>,
+    /// Schur complement of the current and of the next front.
+    schur: [Vec<f64>; 2],
+    scratch: MemBuffer,
+    local: std::cell::RefCell<Vec<f64>>,
+}
+
+/// The front under assembly.
+pub struct Assembly<'a> {
+    panel: &'a mut [f64],
+    schur: &'a mut [f64],
+    n_front: usize,
+    n_eliminated: usize,
+    of_element: &'a [usize],
+}
+
+impl Assembly<'_> {
+    /// Adds `value` at the element's local row `i` and column `j`; symmetric, give each pair once.
+    #[inline]
+    pub fn add(&mut self, i: usize, j: usize, value: f64) {
+        let (i, j) = (self.of_element[i], self.of_element[j]);
+        self.add_front(i.max(j), i.min(j), value);
+    }
+
+    #[inline]
+    fn add_front(&mut self, i: usize, j: usize, value: f64) {
+        if j < self.n_eliminated {
+            self.panel[j * self.n_front + i] += value;
+        } else {
+            let n = self.n_front - self.n_eliminated;
+            self.schur[(j - self.n_eliminated) * n + (i - self.n_eliminated)] += value;
+        }
+    }
+}
+
+impl Fronts {
+    /// Analyses the structure and allocates everything.
+    ///
+    /// # Panics
+    /// If a variable belongs to no element: such a problem is ill-posed by construction.
+    pub fn new(structure: &Structure) -> Self {
+        let symbolic = analyse(structure);
+        let panels = symbolic
+            .iter()
+            .map(|s| vec![0.0; s.vars.len() * s.n_eliminated])
+            .collect();
+        let n_schur = symbolic
+            .iter()
+            .map(|s| s.vars.len() - s.n_eliminated)
+            .max()
+            .unwrap_or(0);
+        let n_elim = symbolic.iter().map(|s| s.n_eliminated).max().unwrap_or(0);
+        let scratch = MemBuffer::new(cholesky_in_place_scratch::<f64>(
+            n_elim,
+            Par::Seq,
+            Default::default(),
+        ));
+        let n_front = symbolic.iter().map(|s| s.vars.len()).max().unwrap_or(0);
+        Self {
+            symbolic,
+            panels,
+            schur: [vec![0.0; n_schur * n_schur], vec![0.0; n_schur * n_schur]],
+            scratch,
+            local: std::cell::RefCell::new(vec![0.0; n_front]),
+        }
+    }
+
+    /// Factorises; `assemble` adds the matrix of each element, in order.
+    ///
+    /// # Errors
+    /// [`NotPositiveDefinite`] at the first pivot that is not positive.
+    pub fn factorise(
+        &mut self,
+        mut assemble: impl FnMut(usize, &mut Assembly<'_>),
+    ) -> Result<(), NotPositiveDefinite> {
+        let [now, next] = &mut self.schur;
+        let mut carried = 0;
+        for (e, symbolic) in self.symbolic.iter().enumerate() {
+            let (n_front, n_elim) = (symbolic.vars.len(), symbolic.n_eliminated);
+            let n_rest = n_front - n_elim;
+            let panel = &mut self.panels[e];
+            panel.fill(0.0);
+            next[..n_rest * n_rest].fill(0.0);
+            let mut front = Assembly {
+                panel,
+                schur: &mut next[..n_rest * n_rest],
+                n_front,
+                n_eliminated: n_elim,
+                of_element: &symbolic.of_element,
+            };
+            if e > 0 {
+                let to = &self.symbolic[e - 1].of_carried;
+                for j in 0..carried {
+                    for i in j..carried {
+                        let (a, b) = (to[i], to[j]);
+                        front.add_front(a.max(b), a.min(b), now[j * carried + i]);
+                    }
+                }
+            }
+            assemble(e, &mut front);
+            let stack = MemStack::new(&mut self.scratch);
+            eliminate(panel, &mut next[..n_rest * n_rest], n_front, n_elim, stack)
+                .map_err(|()| NotPositiveDefinite { element: e })?;
+            std::mem::swap(now, next);
+            carried = n_rest;
+        }
+        Ok(())
+    }
+
+    /// Solves in place with the last factorisation; `rhs` over all variables.
+    pub fn solve(&self, rhs: &mut [f64]) {
+        let mut local = self.local.borrow_mut();
+        for (symbolic, panel) in self.symbolic.iter().zip(&self.panels) {
+            let (n, m) = (symbolic.vars.len(), symbolic.n_eliminated);
+            let b = &mut local[..n];
+            for (x, &v) in b.iter_mut().zip(&symbolic.vars) {
+                *x = rhs[v];
+            }
+            for j in 0..m {
+                let column = &panel[j * n..(j + 1) * n];
+                let x = b[j] / column[j];
+                b[j] = x;
+                for (bi, li) in b[j + 1..].iter_mut().zip(&column[j + 1..]) {
+                    *bi -= li * x;
+                }
+            }
+            for (x, &v) in b.iter().zip(&symbolic.vars) {
+                rhs[v] = *x;
+            }
+        }
+        for (symbolic, panel) in self.symbolic.iter().zip(&self.panels).rev() {
+            let (n, m) = (symbolic.vars.len(), symbolic.n_eliminated);
+            let b = &mut local[..n];
+            for (x, &v) in b.iter_mut().zip(&symbolic.vars) {
+                *x = rhs[v];
+            }
+            for j in (0..m).rev() {
+                let column = &panel[j * n..(j + 1) * n];
+                b[j] = (b[j] - dot(&column[j + 1..], &b[j + 1..])) / column[j];
+            }
+            for (x, &v) in b[..m].iter().zip(&symbolic.vars) {
+                rhs[v] = *x;
+            }
+        }
+    }
+
+    /// Bytes held by the factor and its buffers.
+    pub fn memory(&self) -> usize {
+        8 * (self.panels.iter().map(Vec::len).sum::<usize>() + self.schur[0].len() * 2)
+    }
+}
+
+/// Dot product with eight partial sums, which the compiler vectorises.
+#[inline]
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; 8];
+    let (head_a, tail_a) = a.as_chunks::<8>();
+    let (head_b, tail_b) = b[..a.len()].as_chunks::<8>();
+    for (x, y) in head_a.iter().zip(head_b) {
+        for i in 0..8 {
+            sums[i] += x[i] * y[i];
+        }
+    }
+    sums.iter().sum::<f64>() + tail_a.iter().zip(tail_b).map(|(x, y)| x * y).sum::<f64>()
+}
+
+/// Dense partial Cholesky of one front: L₁₁, L₂₁ in the panel, the Schur complement in `schur`.
+fn eliminate(
+    panel: &mut [f64],
+    schur: &mut [f64],
+    n: usize,
+    m: usize,
+    stack: &mut MemStack,
+) -> Result<(), ()> {
+    if m == 0 {
+        return Ok(());
+    }
+    let panel = MatMut::from_column_major_slice_mut(panel, n, m);
+    let (mut l11, l21) = panel.split_at_row_mut(m);
+    let regularisation = Default::default();
+    cholesky_in_place(
+        l11.rb_mut(),
+        regularisation,
+        Par::Seq,
+        stack,
+        Default::default(),
+    )
+    .map_err(|_| ())?;
+    if n == m {
+        return Ok(());
+    }
+    let mut l21 = l21;
+    solve_lower_triangular_in_place(l11.rb(), l21.rb_mut().transpose_mut(), Par::Seq);
+    let rest = MatMut::from_column_major_slice_mut(schur, n - m, n - m);
+    triangular::matmul(
+        rest,
+        BlockStructure::TriangularLower,
+        Accum::Add,
+        l21.rb(),
+        BlockStructure::Rectangular,
+        l21.rb().transpose(),
+        BlockStructure::Rectangular,
+        -1.0,
+        Par::Seq,
+    );
+    Ok(())
+}
+
+/// `out` (lower triangle, column-major `n × n`) = aᵀ a with `a` column-major `m × n`.
+pub(crate) fn gram(a: &[f64], m: usize, n: usize, out: &mut [f64]) {
+    let a = MatRef::from_column_major_slice(&a[..m * n], m, n);
+    triangular::matmul(
+        MatMut::from_column_major_slice_mut(&mut out[..n * n], n, n),
+        BlockStructure::TriangularLower,
+        Accum::Replace,
+        a.transpose(),
+        BlockStructure::Rectangular,
+        a,
+        BlockStructure::Rectangular,
+        1.0,
+        Par::Seq,
+    );
+}
+
+fn analyse(structure: &Structure) -> Vec<Symbolic> {
+    let mut last = vec![usize::MAX; structure.n_vars];
+    for (e, element) in structure.elements.iter().enumerate() {
+        for &v in &element.vars {
+            last[v] = e;
+        }
+    }
+    assert!(
+        last.iter().all(|&e| e != usize::MAX),
+        "every variable belongs to an element"
+    );
+    let mut fronts: Vec<Symbolic> = Vec::with_capacity(structure.elements.len());
+    let mut position = vec![usize::MAX; structure.n_vars];
+    let mut carried: Vec<usize> = Vec::new();
+    for (e, element) in structure.elements.iter().enumerate() {
+        let mut vars = carried.clone();
+        vars.extend(element.vars.iter().filter(|v| !carried.contains(v)));
+        vars.sort_by_key(|&v| (last[v] != e, v));
+        let n_eliminated = vars.iter().filter(|&&v| last[v] == e).count();
+        for (i, &v) in vars.iter().enumerate() {
+            position[v] = i;
+        }
+        if let Some(previous) = fronts.last_mut() {
+            previous.of_carried = carried.iter().map(|&v| position[v]).collect();
+        }
+        let of_element = element.vars.iter().map(|&v| position[v]).collect();
+        carried = vars[n_eliminated..].to_vec();
+        fronts.push(Symbolic {
+            vars,
+            n_eliminated,
+            of_element,
+            of_carried: Vec::new(),
+        });
+    }
+    fronts
+}

@@ -1,0 +1,325 @@
+//! The Newton system of the interior-point method
+//!
+//! ```text
+//! [ W + D   Jᵀ ] [dx]     [r_x]
+//! [ J      −R  ] [dy] = − [r_y]
+//! ```
+//!
+//! with the elements' Hessians W, a diagonal D of the variables (bounds, shift) and a diagonal R of the rows: zero
+//! for equalities, s/z for inequalities. It is condensed to W + D + Jᵀ (R + δ)⁻¹ J, which is positive definite exactly
+//! when the inertia of the system is right, factorised front by front, and refined to remove δ.
+
+use crate::front::{Fronts, NotPositiveDefinite, dot, gram};
+use crate::{ElementData, Structure};
+
+/// Blocks with at least this many Jacobian entries go through the dense kernel.
+const DENSE_BLOCK: usize = 600;
+
+/// Matrix, factorisation and scratch of the Newton system.
+pub struct Kkt {
+    fronts: Fronts,
+    /// First row of each element in the concatenated rows.
+    first_row: Vec<usize>,
+    scaled: Vec<f64>,
+    product: Vec<f64>,
+    var_scratch: Vec<f64>,
+    row_scratch: Vec<f64>,
+    dx_correction: Vec<f64>,
+    dy_correction: Vec<f64>,
+    local: Vec<f64>,
+    local_out: Vec<f64>,
+}
+
+/// The diagonals of the Newton system.
+#[derive(Debug, Clone, Copy)]
+pub struct Diagonals<'a> {
+    /// D per variable.
+    pub variables: &'a [f64],
+    /// R per row (without δ).
+    pub rows: &'a [f64],
+    /// δ, added to R in the factorisation only.
+    pub delta: f64,
+}
+
+impl Kkt {
+    /// Analyses the structure and allocates everything.
+    pub fn new(structure: &Structure) -> Self {
+        let mut first_row = vec![0];
+        for e in &structure.elements {
+            first_row.push(first_row.last().copied().unwrap_or(0) + e.n_rows());
+        }
+        let n_rows = first_row[structure.elements.len()];
+        let blocks = || structure.elements.iter().flat_map(|e| &e.blocks);
+        let widest = blocks().map(|b| b.cols.len()).max().unwrap_or(0);
+        let largest = blocks().map(|b| b.cols.len() * b.n_rows).max().unwrap_or(0);
+        let n_local = structure
+            .elements
+            .iter()
+            .map(|e| e.vars.len())
+            .max()
+            .unwrap_or(0);
+        Self {
+            fronts: Fronts::new(structure),
+            first_row,
+            scaled: vec![0.0; largest],
+            product: vec![0.0; widest * widest],
+            var_scratch: vec![0.0; structure.n_vars],
+            row_scratch: vec![0.0; n_rows],
+            dx_correction: vec![0.0; structure.n_vars],
+            dy_correction: vec![0.0; n_rows],
+            local: vec![0.0; n_local],
+            local_out: vec![0.0; n_local],
+        }
+    }
+
+    /// Number of rows of all elements.
+    pub fn n_rows(&self) -> usize {
+        self.row_scratch.len()
+    }
+
+    /// First row of each element in the concatenated rows, one entry more than elements.
+    pub fn first_row(&self) -> &[usize] {
+        &self.first_row
+    }
+
+    /// Bytes held by the factor.
+    pub fn memory(&self) -> usize {
+        self.fronts.memory()
+    }
+
+    /// Assembles and factorises.
+    ///
+    /// # Errors
+    /// [`NotPositiveDefinite`]: the inertia is wrong; shift the diagonal.
+    pub fn factorise(
+        &mut self,
+        structure: &Structure,
+        data: &[ElementData],
+        diagonals: Diagonals<'_>,
+    ) -> Result<(), NotPositiveDefinite> {
+        let Self {
+            fronts,
+            first_row,
+            scaled,
+            product,
+            var_scratch,
+            ..
+        } = self;
+        // The diagonal of a variable enters with the first element that touches it.
+        var_scratch.copy_from_slice(diagonals.variables);
+        fronts.factorise(|e, front| {
+            let (element, data) = (&structure.elements[e], &data[e]);
+            let n = element.vars.len();
+            for j in 0..n {
+                let column = &data.hessian[j * n..(j + 1) * n];
+                for i in j..n {
+                    if column[i] != 0.0 {
+                        front.add(i, j, column[i]);
+                    }
+                }
+                let d = &mut var_scratch[element.vars[j]];
+                front.add(j, j, *d);
+                *d = 0.0;
+            }
+            let rows = &diagonals.rows[first_row[e]..first_row[e + 1]];
+            for (block, jacobian) in element.blocks.iter().zip(&data.jacobians) {
+                let (m, width) = (block.n_rows, block.cols.len());
+                let weight = |r: usize| 1.0 / (rows[block.first_row + r] + diagonals.delta);
+                if m * width >= DENSE_BLOCK {
+                    for (c, column) in jacobian.chunks_exact(m).enumerate() {
+                        for r in 0..m {
+                            scaled[c * m + r] = column[r] * weight(r).sqrt();
+                        }
+                    }
+                    gram(scaled, m, width, product);
+                    for j in 0..width {
+                        for i in j..width {
+                            front.add(block.cols[i], block.cols[j], product[j * width + i]);
+                        }
+                    }
+                } else {
+                    for r in 0..m {
+                        let w = weight(r);
+                        for j in 0..width {
+                            let wj = w * jacobian[j * m + r];
+                            if wj != 0.0 {
+                                for i in j..width {
+                                    front.add(
+                                        block.cols[i],
+                                        block.cols[j],
+                                        wj * jacobian[i * m + r],
+                                    );
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        })
+    }
+
+    /// Solves the Newton system for (dx, dy) given the residuals, with `refinements` rounds that remove δ.
+    ///
+    /// Returns the largest residual left in the rows.
+    #[allow(clippy::too_many_arguments)] // the pieces of one linear system; a struct would only rename them
+    pub fn solve(
+        &mut self,
+        structure: &Structure,
+        data: &[ElementData],
+        diagonals: Diagonals<'_>,
+        residual_x: &[f64],
+        residual_y: &[f64],
+        refinements: usize,
+        dx: &mut [f64],
+        dy: &mut [f64],
+    ) -> f64 {
+        dx.fill(0.0);
+        dy.fill(0.0);
+        let mut left_x = residual_x.to_vec();
+        let mut left_y = residual_y.to_vec();
+        for round in 0..=refinements {
+            self.solve_regularised(structure, data, diagonals, &left_x, &left_y);
+            for (a, b) in dx.iter_mut().zip(&self.dx_correction) {
+                *a += b;
+            }
+            for (a, b) in dy.iter_mut().zip(&self.dy_correction) {
+                *a += b;
+            }
+            if round == refinements {
+                break;
+            }
+            left_x.copy_from_slice(residual_x);
+            left_y.copy_from_slice(residual_y);
+            self.multiply_add(structure, data, diagonals, dx, dy, &mut left_x, &mut left_y);
+        }
+        left_y.iter().fold(0.0, |m: f64, v| m.max(v.abs()))
+    }
+
+    /// One solve with the factorised, regularised system into the correction buffers.
+    fn solve_regularised(
+        &mut self,
+        structure: &Structure,
+        data: &[ElementData],
+        diagonals: Diagonals<'_>,
+        residual_x: &[f64],
+        residual_y: &[f64],
+    ) {
+        let weighted = &mut self.row_scratch;
+        for ((w, r), d) in weighted.iter_mut().zip(residual_y).zip(diagonals.rows) {
+            *w = r / (d + diagonals.delta);
+        }
+        self.dx_correction
+            .iter_mut()
+            .zip(residual_x)
+            .for_each(|(a, r)| *a = -r);
+        transpose_multiply(
+            structure,
+            data,
+            &self.first_row,
+            weighted,
+            &mut self.dx_correction,
+            -1.0,
+        );
+        self.fronts.solve(&mut self.dx_correction);
+        self.dy_correction.copy_from_slice(residual_y);
+        jacobian_multiply(
+            structure,
+            data,
+            &self.first_row,
+            &self.dx_correction,
+            &mut self.dy_correction,
+        );
+        for (y, d) in self.dy_correction.iter_mut().zip(diagonals.rows) {
+            *y /= d + diagonals.delta;
+        }
+    }
+
+    /// Adds the (unregularised) system's matrix times (dx, dy) to (out_x, out_y).
+    #[allow(clippy::too_many_arguments)] // as for `solve`
+    fn multiply_add(
+        &mut self,
+        structure: &Structure,
+        data: &[ElementData],
+        diagonals: Diagonals<'_>,
+        dx: &[f64],
+        dy: &[f64],
+        out_x: &mut [f64],
+        out_y: &mut [f64],
+    ) {
+        for (e, (element, data)) in structure.elements.iter().zip(data).enumerate() {
+            let _ = e;
+            let n = element.vars.len();
+            let (x, out) = (&mut self.local[..n], &mut self.local_out[..n]);
+            for (a, &v) in x.iter_mut().zip(&element.vars) {
+                *a = dx[v];
+            }
+            symmetric_multiply(&data.hessian, n, x, out);
+            for (a, &v) in out.iter().zip(&element.vars) {
+                out_x[v] += a;
+            }
+        }
+        for ((o, d), x) in out_x.iter_mut().zip(diagonals.variables).zip(dx) {
+            *o += d * x;
+        }
+        transpose_multiply(structure, data, &self.first_row, dy, out_x, 1.0);
+        jacobian_multiply(structure, data, &self.first_row, dx, out_y);
+        for ((o, d), y) in out_y.iter_mut().zip(diagonals.rows).zip(dy) {
+            *o -= d * y;
+        }
+    }
+}
+
+/// `out = H x` for a symmetric matrix given by its lower triangle.
+fn symmetric_multiply(h: &[f64], n: usize, x: &[f64], out: &mut [f64]) {
+    out.fill(0.0);
+    for j in 0..n {
+        let column = &h[j * n + j + 1..(j + 1) * n];
+        let xj = x[j];
+        for (o, hij) in out[j + 1..].iter_mut().zip(column) {
+            *o += hij * xj;
+        }
+        out[j] += h[j * n + j] * xj + dot(column, &x[j + 1..]);
+    }
+}
+
+/// `out += sign · Jᵀ y`.
+pub(crate) fn transpose_multiply(
+    structure: &Structure,
+    data: &[ElementData],
+    first_row: &[usize],
+    y: &[f64],
+    out: &mut [f64],
+    sign: f64,
+) {
+    for (e, (element, data)) in structure.elements.iter().zip(data).enumerate() {
+        for (block, jacobian) in element.blocks.iter().zip(&data.jacobians) {
+            let rows =
+                first_row[e] + block.first_row..first_row[e] + block.first_row + block.n_rows;
+            for (column, &c) in jacobian.chunks_exact(block.n_rows).zip(&block.cols) {
+                out[element.vars[c]] += sign * dot(column, &y[rows.clone()]);
+            }
+        }
+    }
+}
+
+/// `out += J x`.
+pub(crate) fn jacobian_multiply(
+    structure: &Structure,
+    data: &[ElementData],
+    first_row: &[usize],
+    x: &[f64],
+    out: &mut [f64],
+) {
+    for (e, (element, data)) in structure.elements.iter().zip(data).enumerate() {
+        for (block, jacobian) in element.blocks.iter().zip(&data.jacobians) {
+            let first = first_row[e] + block.first_row;
+            let out = &mut out[first..first + block.n_rows];
+            for (column, &c) in jacobian.chunks_exact(block.n_rows).zip(&block.cols) {
+                let xc = x[element.vars[c]];
+                for (o, j) in out.iter_mut().zip(column) {
+                    *o += j * xc;
+                }
+            }
+        }
+    }
+}

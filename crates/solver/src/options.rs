@@ -1,0 +1,46 @@
+//! Options of the solver.
+
+/// Options of one solve; the defaults are those of the sources named in the crate documentation unless said.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// Most iterations.
+    pub max_iterations: usize,
+    /// Largest row violation at a solution, in the problem's scaled rows.
+    pub feasibility_tolerance: f64,
+    /// Largest scaled dual residual at a solution.
+    pub dual_tolerance: f64,
+    /// Largest complementarity product at a solution.
+    pub complementarity_tolerance: f64,
+    /// First barrier parameter.
+    pub initial_barrier: f64,
+    /// Smallest barrier parameter.
+    pub min_barrier: f64,
+    /// Regularisation of the rows in the factorisation; refinement removes its effect.
+    pub row_regularisation: f64,
+    /// Rounds of iterative refinement.
+    pub refinements: usize,
+    /// Relative distance kept from bounds at the start.
+    pub bound_push: f64,
+    /// Wall time limit [s].
+    pub time_limit: f64,
+    /// Stop as infeasible when the violation has not fallen by a tenth over this many iterations; 0: never.
+    pub stall_iterations: usize,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            max_iterations: 200,
+            feasibility_tolerance: 1e-7,
+            dual_tolerance: 1e-4,
+            complementarity_tolerance: 1e-4,
+            initial_barrier: 0.1,
+            min_barrier: 1e-8,
+            row_regularisation: 1e-7,
+            refinements: 3,
+            bound_push: 1e-2,
+            time_limit: f64::INFINITY,
+            stall_iterations: 40,
+        }
+    }
+}
