@@ -354,8 +354,8 @@ impl Faults {
 
     fn quaternion(&mut self, place: impl FnOnce() -> String, xyzw: &[f64]) {
         let norm = xyzw.iter().map(|x| x * x).sum::<f64>().sqrt();
-        // Also catches an overflowing norm.
-        if !((norm - 1.0).abs() <= QUATERNION_TOLERANCE) {
+        let error = (norm - 1.0).abs();
+        if error.is_nan() || error > QUATERNION_TOLERANCE {
             self.0.push(PlanError::Quaternion {
                 place: place(),
                 norm,
