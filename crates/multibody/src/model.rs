@@ -12,6 +12,9 @@ const STANDARD_GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);
 /// Joints beyond this number are refused: the tables of ancestors grow with its square.
 const MAX_JOINTS: usize = 512;
 
+/// A principal moment of inertia may be below zero by this part of the trace: published files round and approximate.
+const INERTIA_TOLERANCE: f64 = 1e-3;
+
 /// Axes are unit vectors to this accuracy.
 const UNIT_TOLERANCE: f64 = 1e-9;
 
@@ -29,23 +32,37 @@ pub enum Root {
 pub enum JointKind {
     /// Six degrees of freedom; q is position and quaternion (x y z w), v the body twist, linear first.
     FreeFlyer,
-    /// Turns about `axis`, a unit vector in the joint frame [rad].
-    Revolute { axis: Vector3<f64> },
-    /// Slides along `axis`, a unit vector in the joint frame [m].
-    Prismatic { axis: Vector3<f64> },
+    /// Turns, q in rad.
+    Revolute {
+        /// Unit vector in the joint frame.
+        axis: Vector3<f64>,
+    },
+    /// Slides, q in m.
+    Prismatic {
+        /// Unit vector in the joint frame.
+        axis: Vector3<f64>,
+    },
 }
 
 impl JointKind {
     /// Number of entries in q.
     #[inline]
     pub fn nq(&self) -> usize {
-        if matches!(self, Self::FreeFlyer) { 7 } else { 1 }
+        if matches!(self, Self::FreeFlyer) {
+            7
+        } else {
+            1
+        }
     }
 
     /// Number of entries in v.
     #[inline]
     pub fn nv(&self) -> usize {
-        if matches!(self, Self::FreeFlyer) { 6 } else { 1 }
+        if matches!(self, Self::FreeFlyer) {
+            6
+        } else {
+            1
+        }
     }
 }
 
@@ -79,16 +96,37 @@ pub struct Joint {
 /// Geometry of a link, centred at its own frame.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
-    /// Half sizes along the axes [m].
-    Box { half_size: Vector3<f64> },
-    /// A ball [m].
-    Sphere { radius: f64 },
-    /// About the z axis, from −`half_length` to `half_length` [m].
-    Cylinder { radius: f64, half_length: f64 },
-    /// A segment along z from −`half_length` to `half_length`, thickened by `radius` [m].
-    Capsule { radius: f64, half_length: f64 },
-    /// A file that is not read here, scaled along its axes.
-    Mesh { filename: String, scale: Vector3<f64> },
+    /// A cuboid.
+    Box {
+        /// Half sizes along the axes [m].
+        half_size: Vector3<f64>,
+    },
+    /// A ball.
+    Sphere {
+        /// Radius [m].
+        radius: f64,
+    },
+    /// A cylinder about the z axis.
+    Cylinder {
+        /// Radius [m].
+        radius: f64,
+        /// It reaches from −`half_length` to `half_length` [m].
+        half_length: f64,
+    },
+    /// A segment along the z axis, thickened.
+    Capsule {
+        /// Radius [m].
+        radius: f64,
+        /// The segment reaches from −`half_length` to `half_length` [m].
+        half_length: f64,
+    },
+    /// A file, which is not read here.
+    Mesh {
+        /// As the URDF names it.
+        filename: String,
+        /// Factors along the axes.
+        scale: Vector3<f64>,
+    },
 }
 
 /// A shape placed on a link.
@@ -149,7 +187,8 @@ impl Model {
     ///
     /// # Errors
     /// [`ModelError::BadTree`] for a wrong order, parent, frame or a free flyer with a parent (several free bodies are legal: a forest), [`ModelError::BadAxis`] for an
-    /// axis that is no unit vector, [`ModelError::BadLimits`], [`ModelError::MissingInertia`] if a joint moves no mass.
+    /// axis that is no unit vector, [`ModelError::BadLimits`], [`ModelError::BadInertia`], [`ModelError::MissingInertia`] if
+    /// a joint moves no mass.
     pub fn new(name: &str, mut joints: Vec<Joint>, frames: Vec<Frame>) -> Result<Self, ModelError> {
         if joints.len() > MAX_JOINTS {
             return Err(ModelError::TooManyJoints { limit: MAX_JOINTS });
@@ -159,7 +198,11 @@ impl Model {
         for frame in &frames {
             if frame.joint.is_some_and(|joint| joint >= joints.len()) {
                 let problem = "a frame is attached to a joint that does not exist";
-                return Err(ModelError::BadTree { joint: frame.name.clone(), index: joints.len(), problem });
+                return Err(ModelError::BadTree {
+                    joint: frame.name.clone(),
+                    index: joints.len(),
+                    problem,
+                });
             }
         }
         let (mut nq, mut nv) = (0, 0);
@@ -167,13 +210,25 @@ impl Model {
         for joint in &mut joints {
             (joint.idx_q, joint.idx_v) = (nq, nv);
             (nq, nv) = (nq + joint.kind.nq(), nv + joint.kind.nv());
-            let mut support = joint.parent.map_or_else(Vec::new, |parent| supports[parent].clone());
+            let mut support = joint
+                .parent
+                .map_or_else(Vec::new, |parent| supports[parent].clone());
             support.extend(joint.idx_v..nv);
             supports.push(support);
         }
         let motions = joints.iter().map(|joint| motion(&joint.kind)).collect();
         let (name, gravity) = (name.to_owned(), STANDARD_GRAVITY);
-        Ok(Self { name, joints, frames, nq, nv, gravity, notes: Vec::new(), motions, supports })
+        Ok(Self {
+            name,
+            joints,
+            frames,
+            nq,
+            nv,
+            gravity,
+            notes: Vec::new(),
+            motions,
+            supports,
+        })
     }
 
     /// Velocity indices that move a joint, from the root to its own, ascending.
@@ -185,7 +240,9 @@ impl Model {
     /// Velocity indices that move a frame, from the root to the tip, ascending; empty for a frame of the world.
     #[inline]
     pub fn frame_support(&self, frame: usize) -> &[usize] {
-        self.frames[frame].joint.map_or(&[], |joint| &self.supports[joint])
+        self.frames[frame]
+            .joint
+            .map_or(&[], |joint| &self.supports[joint])
     }
 
     /// Index of the frame of the link `name`.
@@ -210,14 +267,23 @@ fn motion(kind: &JointKind) -> Motion {
         JointKind::Prismatic { axis } => Motion::Slide(*axis),
         JointKind::Revolute { axis } => {
             let units = [Vector3::x(), Vector3::y(), Vector3::z()];
-            units.iter().position(|unit| unit == axis).map_or(Motion::Turn(*axis), Motion::TurnAbout)
+            units
+                .iter()
+                .position(|unit| unit == axis)
+                .map_or(Motion::Turn(*axis), Motion::TurnAbout)
         }
     }
 }
 
 fn check_tree(joints: &[Joint]) -> Result<(), ModelError> {
     for (index, joint) in joints.iter().enumerate() {
-        let bad = |problem| Err(ModelError::BadTree { joint: joint.name.clone(), index, problem });
+        let bad = |problem| {
+            Err(ModelError::BadTree {
+                joint: joint.name.clone(),
+                index,
+                problem,
+            })
+        };
         if joint.parent.is_some_and(|parent| parent >= index) {
             return bad("its parent comes after it, expected parents before children");
         }
@@ -226,38 +292,69 @@ fn check_tree(joints: &[Joint]) -> Result<(), ModelError> {
         while open != joint.parent {
             match open {
                 Some(previous) => open = joints[previous].parent,
-                None => return bad("it is out of order, expected each subtree in one piece (depth first)"),
+                None => {
+                    return bad(
+                        "it is out of order, expected each subtree in one piece (depth first)",
+                    );
+                }
             }
         }
         match joint.kind {
-            JointKind::FreeFlyer if joint.parent.is_some() => return bad("a free flyer has no parent"),
+            JointKind::FreeFlyer if joint.parent.is_some() => {
+                return bad("a free flyer has no parent");
+            }
             JointKind::FreeFlyer => {}
             JointKind::Revolute { axis } | JointKind::Prismatic { axis } => {
                 let length = axis.norm();
-                // written so that NaN fails too
-                if !((length - 1.0).abs() < UNIT_TOLERANCE) {
-                    return Err(ModelError::BadAxis { joint: joint.name.clone(), length });
+                if length.is_nan() || (length - 1.0).abs() > UNIT_TOLERANCE {
+                    return Err(ModelError::BadAxis {
+                        joint: joint.name.clone(),
+                        length,
+                    });
                 }
             }
         }
         let (lower, upper) = (joint.lower, joint.upper);
-        if !(lower <= upper) {
-            return Err(ModelError::BadLimits { joint: joint.name.clone(), lower, upper });
+        if lower.is_nan() || upper.is_nan() || lower > upper {
+            return Err(ModelError::BadLimits {
+                joint: joint.name.clone(),
+                lower,
+                upper,
+            });
         }
     }
     Ok(())
 }
 
-/// Every joint must move some mass, else the mass matrix is singular.
+/// Every joint must move some mass, else the mass matrix is singular, and no body may have negative moments of inertia.
 fn check_masses(joints: &[Joint]) -> Result<(), ModelError> {
     let mut moved: Vec<f64> = joints.iter().map(|joint| joint.inertia.mass).collect();
     for (index, joint) in joints.iter().enumerate().rev() {
-        if !(moved[index] > 0.0) {
+        if moved[index].is_nan() || moved[index] <= 0.0 {
             let joint = joint.name.clone();
-            return Err(ModelError::MissingInertia { link: format!("behind {joint}"), joint });
+            return Err(ModelError::MissingInertia {
+                link: format!("behind {joint}"),
+                joint,
+            });
         }
         if let Some(parent) = joint.parent {
             moved[parent] += moved[index];
+        }
+        let tensor = &joint.inertia.inertia;
+        let finite = tensor
+            .iter()
+            .chain(&joint.inertia.com)
+            .all(|x| x.is_finite());
+        let eigenvalue = if finite {
+            tensor.symmetric_eigenvalues().min()
+        } else {
+            f64::NAN
+        };
+        if eigenvalue.is_nan() || eigenvalue < -INERTIA_TOLERANCE * tensor.trace().abs() {
+            return Err(ModelError::BadInertia {
+                joint: joint.name.clone(),
+                eigenvalue,
+            });
         }
     }
     Ok(())
