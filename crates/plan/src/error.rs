@@ -77,6 +77,16 @@ pub enum PlanError {
         /// Its norm.
         norm: f64,
     },
+    /// A duration that is not positive, or a time that does not follow from the durations.
+    #[error("{place}: {value} s, expected {expected}")]
+    Time {
+        /// The entry.
+        place: String,
+        /// Its value [s].
+        value: f64,
+        /// What it should be.
+        expected: &'static str,
+    },
     /// A number outside its range.
     #[error("{place}: {value}, expected {expected}")]
     Value {
@@ -93,6 +103,9 @@ impl PlanError {
     /// True for faults after which the arrays cannot be used at all (sizes, names, numbers that are not finite);
     /// false for values that are readable but wrong (quaternion norms, durations, masses).
     pub fn is_structural(&self) -> bool {
-        !matches!(self, Self::Quaternion { .. } | Self::Value { .. })
+        !matches!(
+            self,
+            Self::Quaternion { .. } | Self::Time { .. } | Self::Value { .. }
+        )
     }
 }

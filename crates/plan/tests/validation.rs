@@ -50,7 +50,7 @@ fn a_plan_without_intervals_is_a_fault() {
         plan.validate()
             .unwrap_err()
             .to_string()
-            .contains("at least one phase")
+            .contains("phases: 0 intervals in all, expected 1")
     );
 }
 
@@ -130,9 +130,9 @@ fn names_that_are_taken_are_found() {
 fn durations_and_times_are_judged() {
     assert_eq!(
         fault(|p| p.phases[1].duration = 0.0),
-        "phases[1].duration: 0, expected a positive number of seconds"
+        "phases[1].duration: 0 s, expected a positive number of seconds"
     );
-    assert!(fault(|p| p.time[3] = 0.21).starts_with("time[3]: 0.21, expected the sum"));
+    assert!(fault(|p| p.time[3] = 0.21).starts_with("time[3]: 0.21 s, expected the sum"));
 }
 
 #[test]

@@ -1,0 +1,293 @@
+//! Dynamics of the robot: momentum, its balance, the unactuated rows and the torques.
+//!
+//! Every link is a free body with mass m, inertia I about its centre of mass c and the motion of [`kinematics`]. With
+//! the contact wrenches (f, μ at x) on the links, the residual forces of the bodies are
+//!
+//! - `F_i = m_i (a_ci − g)` and `N_i = I_i α_i + ω_i × I_i ω_i`,
+//!
+//! and virtual power along each degree of freedom (Kane's partial velocities) gives the generalised forces: all bodies
+//! together for the base, the bodies beyond a joint for the joint, `τ_j = Σ z·((c_i − o)×F_i + N_i) − Σ z·((x − o)×f + μ)`
+//! for a joint turning about z through o, `Σ z·F_i − Σ z·f` for a sliding one.
+//!
+//! Momentum: `h = Σ (m v_c, (c − com) × m v_c + I ω)`, world axes, about the centre of mass of the robot.
+//! Source: Kane and Levinson, *Dynamics: Theory and Applications*, ch. 4–6; paper, eqs. for h and τ.
+//!
+//! [`kinematics`]: crate::kinematics
+
+use nalgebra::Vector3;
+
+use crate::categories::Category;
+use crate::integration::largest;
+use crate::kinematics::FrameMotion;
+use crate::measure::Measurements;
+use crate::motion::{Motion, Owner};
+use crate::robot::{JointMotion, Robot};
+
+/// A force with a moment, acting at a point; world axes.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Load {
+    pub force: Vector3<f64>,
+    /// About `point`.
+    pub moment: Vector3<f64>,
+    pub point: Vector3<f64>,
+}
+
+impl Load {
+    /// Moment about another point.
+    fn moment_about(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        (self.point - point).cross(&self.force) + self.moment
+    }
+}
+
+/// Linear and angular momentum [kg m/s, kg m²/s], the angular part about the centre of mass, world axes.
+#[derive(Debug, Clone, Copy)]
+struct Momentum {
+    linear: Vector3<f64>,
+    angular: Vector3<f64>,
+    com_in_world: Vector3<f64>,
+}
+
+/// Judges the robot's dynamics at all nodes and intervals.
+pub(crate) fn judge(motion: &Motion, found: &mut Measurements) {
+    let momentum: Vec<_> = motion
+        .links
+        .iter()
+        .map(|links| momentum(&motion.robot, links))
+        .collect();
+    for (t, computed) in momentum.iter().enumerate() {
+        let file = motion.plan.h[t];
+        let gap = |i: usize| {
+            if i < 3 {
+                file[i] - computed.linear[i]
+            } else {
+                file[i] - computed.angular[i - 3]
+            }
+        };
+        let worst = largest((0..6).map(gap)).1;
+        found.add(Category::MomentumFile, worst, || motion.place(t, ""));
+    }
+    for t in 0..motion.n_intervals() {
+        let loads = robot_loads(motion, t);
+        momentum_balance(motion, t, &momentum[t], &momentum[t + 1], &loads, found);
+        equations_of_motion(motion, t, &momentum[t].com_in_world, &loads, found);
+    }
+}
+
+/// The contact loads on the robot's links in interval `t`: on `a` as in the file, on `b` their negatives.
+fn robot_loads(motion: &Motion, t: usize) -> Vec<(usize, Load)> {
+    let mut loads = Vec::new();
+    for (contact, force, moment) in motion.loads(t) {
+        let point = motion.frames[t][contact.a].world_from_frame.origin();
+        for (interface, sign) in [(contact.a, 1.0), (contact.b, -1.0)] {
+            if let Owner::Link(link) = motion.interfaces[interface].owner {
+                loads.push((
+                    link,
+                    Load {
+                        force: force * sign,
+                        moment: moment * sign,
+                        point,
+                    },
+                ));
+            }
+        }
+    }
+    loads
+}
+
+fn momentum(robot: &Robot, links: &[FrameMotion]) -> Momentum {
+    let bodies = || {
+        robot
+            .links
+            .iter()
+            .zip(links)
+            .filter(|(link, _)| link.mass > 0.0 || link.inertia_in_link.norm() > 0.0)
+    };
+    let centre =
+        |(link, at): (&crate::robot::Link, &FrameMotion)| at.world_from_frame.act(link.com_in_link);
+    let mass_moment: Vector3<f64> = bodies().map(|body| centre(body) * body.0.mass).sum();
+    let com_in_world = mass_moment / robot.mass();
+    let mut total = Momentum {
+        linear: Vector3::zeros(),
+        angular: Vector3::zeros(),
+        com_in_world,
+    };
+    for (link, at) in bodies() {
+        let c = centre((link, at));
+        let linear = at.velocity_at(&c) * link.mass;
+        let omega_in_link = at.world_from_frame.rotate_inverse(at.omega);
+        total.linear += linear;
+        total.angular += (c - com_in_world).cross(&linear);
+        total.angular += at
+            .world_from_frame
+            .rotate(link.inertia_in_link * omega_in_link);
+    }
+    total
+}
+
+/// `(h[t+1] − h[t]) / dt = (m g + Σ f, Σ (x − com) × f + μ)`, at node t.
+fn momentum_balance(
+    motion: &Motion,
+    t: usize,
+    now: &Momentum,
+    next: &Momentum,
+    loads: &[(usize, Load)],
+    found: &mut Measurements,
+) {
+    let dt = motion.dt[t];
+    let force: Vector3<f64> = loads.iter().map(|(_, load)| load.force).sum();
+    let moment: Vector3<f64> = loads
+        .iter()
+        .map(|(_, load)| load.moment_about(&now.com_in_world))
+        .sum();
+    let weight = motion.gravity() * motion.robot.mass();
+    let force_gap = (next.linear - now.linear) / dt - weight - force;
+    let moment_gap = (next.angular - now.angular) / dt - moment;
+    found.add(Category::CentroidalForce, force_gap.norm(), || {
+        motion.place(t, "")
+    });
+    found.add(Category::CentroidalMoment, moment_gap.norm(), || {
+        motion.place(t, "")
+    });
+}
+
+fn equations_of_motion(
+    motion: &Motion,
+    t: usize,
+    com_in_world: &Vector3<f64>,
+    loads: &[(usize, Load)],
+    found: &mut Measurements,
+) {
+    let forces = inverse_dynamics(
+        &motion.robot,
+        &motion.links[t],
+        &motion.gravity(),
+        com_in_world,
+        loads,
+    );
+    found.add(Category::UnactuatedForce, forces.base_force.norm(), || {
+        motion.place(t, "")
+    });
+    found.add(
+        Category::UnactuatedMoment,
+        forces.base_moment.norm(),
+        || motion.place(t, ""),
+    );
+    for (j, torque) in forces.torques.iter().enumerate() {
+        let name = &motion.robot.joints[j];
+        let error = (motion.plan.tau[t][j] - torque).abs();
+        found.add(Category::TorqueFile, error, || motion.place(t, name));
+        let excess = (torque.abs() - effort_limit(motion, j)).max(0.0);
+        // f64::max drops a NaN; keep it.
+        let excess = if torque.is_finite() {
+            excess
+        } else {
+            f64::INFINITY
+        };
+        found.add(Category::TorqueLimit, excess, || {
+            motion.place(t, format!("{name} {torque:.1} N m"))
+        });
+    }
+}
+
+/// Effort limit of joint `j` [N m]; infinite if the plan declares it as not enforced.
+pub(crate) fn effort_limit(motion: &Motion, j: usize) -> f64 {
+    match &motion.plan.robot.torque_limits {
+        Some(limits) if limits[j].is_none() => f64::INFINITY,
+        _ => motion.robot.limits[j].effort,
+    }
+}
+
+/// Recomputed joint torques of interval `t` [N m].
+pub(crate) fn torques(motion: &Motion, t: usize) -> Vec<f64> {
+    let loads = robot_loads(motion, t);
+    let com_in_world = momentum(&motion.robot, &motion.links[t]).com_in_world;
+    inverse_dynamics(
+        &motion.robot,
+        &motion.links[t],
+        &motion.gravity(),
+        &com_in_world,
+        &loads,
+    )
+    .torques
+}
+
+/// Generalised forces that the motion needs beyond the contact loads.
+struct GeneralisedForces {
+    /// World axes [N].
+    base_force: Vector3<f64>,
+    /// About the centre of mass of the robot, world axes [N m].
+    base_moment: Vector3<f64>,
+    /// By joint [N m or N].
+    torques: Vec<f64>,
+}
+
+fn inverse_dynamics(
+    robot: &Robot,
+    links: &[FrameMotion],
+    gravity: &Vector3<f64>,
+    com_in_world: &Vector3<f64>,
+    contact_loads: &[(usize, Load)],
+) -> GeneralisedForces {
+    let inertial = robot
+        .links
+        .iter()
+        .zip(links)
+        .enumerate()
+        .map(|(i, (link, at))| (i, needed_by_body(link, at, gravity)));
+    let contacts = contact_loads.iter().map(|(i, load)| {
+        let opposite = Load {
+            force: -load.force,
+            moment: -load.moment,
+            ..*load
+        };
+        (*i, opposite)
+    });
+    let zero = Vector3::zeros();
+    let mut forces = GeneralisedForces {
+        base_force: zero,
+        base_moment: zero,
+        torques: vec![0.0; robot.joints.len()],
+    };
+    for (i, load) in inertial.chain(contacts) {
+        forces.base_force += load.force;
+        forces.base_moment += load.moment_about(com_in_world);
+        add_virtual_power(robot, links, i, &load, &mut forces.torques);
+    }
+    forces
+}
+
+/// Newton's and Euler's equations of one free body: the force at its centre of mass, and the moment, that move it so.
+fn needed_by_body(link: &crate::robot::Link, at: &FrameMotion, gravity: &Vector3<f64>) -> Load {
+    let point = at.world_from_frame.act(link.com_in_link);
+    let rotation = at.world_from_frame.rotation();
+    let inertia = rotation * link.inertia_in_link * rotation.transpose();
+    Load {
+        force: (at.acceleration_at(&point) - gravity) * link.mass,
+        moment: inertia * at.alpha + at.omega.cross(&(inertia * at.omega)),
+        point,
+    }
+}
+
+/// Adds the power of `load` on link `i` per unit rate of each joint between the link and the base.
+fn add_virtual_power(
+    robot: &Robot,
+    links: &[FrameMotion],
+    i: usize,
+    load: &Load,
+    torques: &mut [f64],
+) {
+    let mut at = Some(i);
+    while let Some(link) = at {
+        let frame = &links[link].world_from_frame;
+        match robot.links[link].motion {
+            JointMotion::Fixed => {}
+            JointMotion::Turns { axis, column } => {
+                torques[column] += frame.rotate(axis).dot(&load.moment_about(&frame.origin()));
+            }
+            JointMotion::Slides { axis, column } => {
+                torques[column] += frame.rotate(axis).dot(&load.force);
+            }
+        }
+        at = robot.links[link].parent;
+    }
+}
