@@ -7,8 +7,8 @@
 use crate::configuration::base_pose;
 use crate::model::Motion;
 use crate::{JointKind, Model};
-use nalgebra::{Matrix3, Matrix6xX, Vector3, Vector6};
-use spatial::{Pose, Twist};
+use nalgebra::{DMatrix, Matrix3, Matrix6xX, Vector3, Vector6};
+use spatial::{Pose, Twist, Wrench};
 
 /// Poses and joint axes at one configuration; evaluated once, used by every algorithm.
 #[derive(Debug, Clone)]
@@ -96,6 +96,40 @@ impl Kinematics {
         let world_from_frame = self.frame_pose(model, frame);
         for &k in model.frame_support(frame) {
             jacobian.set_column(k, &self.column_in(&world_from_frame, k));
+        }
+    }
+
+    /// Adds the Hessian of δ ↦ yᵀ log(X(q)⁻¹ X(q ⊕ δ)) at 0 for the pose X of a frame: the curvature that its body Jacobian
+    /// leaves out. `y` is in the frame (force, then moment), `hessian` nv×nv, symmetric.
+    ///
+    /// With J the body Jacobian and k before l on the chain, ∂J_k/∂q_l = [J_k, J_l] and ∂J_l/∂q_k = 0, so both entries get
+    /// ½ yᵀ[J_k, J_l]. The six base columns move as one exponential and add nothing among themselves.
+    ///
+    /// # Panics
+    /// If `hessian` is smaller than nv×nv.
+    pub fn add_frame_curvature(
+        &self,
+        model: &Model,
+        frame: usize,
+        y: &Wrench,
+        hessian: &mut DMatrix<f64>,
+    ) {
+        let y_in_world = self.frame_pose(model, frame).act_wrench(y);
+        let mut next = model.frames[frame].joint;
+        while let Some(index) = next {
+            let joint = &model.joints[index];
+            let support = model.joint_support(index);
+            let before = &support[..support.len() - joint.kind.nv()];
+            for l in joint.idx_v..joint.idx_v + joint.kind.nv() {
+                let column = Twist::from_vector(&self.column_in_world[l]);
+                let turned = column.cross_wrench(&y_in_world) * 0.5;
+                for &k in before {
+                    let value = turned.power(&Twist::from_vector(&self.column_in_world[k]));
+                    hessian[(k, l)] += value;
+                    hessian[(l, k)] += value;
+                }
+            }
+            next = joint.parent;
         }
     }
 
@@ -214,6 +248,32 @@ mod tests {
                 };
                 assert_jacobian(moved, &vec![0.0; model.nv], jacobian.as_slice(), 1e-9);
             }
+        }
+    }
+
+    #[test]
+    fn frame_curvature_matches_finite_differences() {
+        for (seed, root) in [(1, Root::Fixed), (2, Root::Floating), (3, Root::Floating)] {
+            let model = Model::random(seed, root, 7);
+            let q = model.random_configuration(seed);
+            let y = Wrench::from_vector(&Vector6::new(0.3, -0.5, 0.8, 0.2, 0.9, -0.4));
+            let pose_at = |q: &[f64], frame| {
+                let mut kinematics = Kinematics::new(&model);
+                kinematics.update(&model, q);
+                kinematics.frame_pose(&model, frame)
+            };
+            let mut kinematics = Kinematics::new(&model);
+            kinematics.update(&model, &q);
+            let frame = model.frames.len() - 1;
+            let here = kinematics.frame_pose(&model, frame);
+            let mut hessian = DMatrix::zeros(model.nv, model.nv);
+            kinematics.add_frame_curvature(&model, frame, &y, &mut hessian);
+            let value = |dq: &[f64]| {
+                let moved = pose_at(&model.integrate(&q, dq), frame).minus(&here);
+                y.to_vector().dot(&moved)
+            };
+            let zero = vec![0.0; model.nv];
+            derivcheck::assert_hessian_of_value(value, &zero, hessian.as_slice(), 1e-7);
         }
     }
 

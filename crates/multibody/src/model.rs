@@ -15,6 +15,9 @@ const MAX_JOINTS: usize = 512;
 /// A principal moment of inertia may be below zero by this part of the trace: published files round and approximate.
 const INERTIA_TOLERANCE: f64 = 1e-3;
 
+/// Rounding of a moment of inertia that should be zero [kg·m²].
+const INERTIA_ROUNDING: f64 = 1e-12;
+
 /// Axes are unit vectors to this accuracy.
 const UNIT_TOLERANCE: f64 = 1e-9;
 
@@ -186,7 +189,8 @@ impl Model {
     /// A robot from its joints, parents before children; `idx_q` and `idx_v` are assigned here.
     ///
     /// # Errors
-    /// [`ModelError::BadTree`] for a wrong order, parent, frame or a free flyer with a parent (several free bodies are legal: a forest), [`ModelError::BadAxis`] for an
+    /// [`ModelError::BadTree`] for a wrong order, parent or frame, or a free flyer with a parent (several free bodies are
+    /// legal: a forest), [`ModelError::BadAxis`] for an
     /// axis that is no unit vector, [`ModelError::BadLimits`], [`ModelError::BadInertia`], [`ModelError::MissingInertia`] if
     /// a joint moves no mass.
     pub fn new(name: &str, mut joints: Vec<Joint>, frames: Vec<Frame>) -> Result<Self, ModelError> {
@@ -350,7 +354,9 @@ fn check_masses(joints: &[Joint]) -> Result<(), ModelError> {
         } else {
             f64::NAN
         };
-        if eigenvalue.is_nan() || eigenvalue < -INERTIA_TOLERANCE * tensor.trace().abs() {
+        if eigenvalue.is_nan()
+            || eigenvalue < -INERTIA_TOLERANCE * tensor.trace().abs() - INERTIA_ROUNDING
+        {
             return Err(ModelError::BadInertia {
                 joint: joint.name.clone(),
                 eigenvalue,
