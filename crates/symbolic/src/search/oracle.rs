@@ -1,0 +1,43 @@
+//! What the search asks of whoever knows the geometry.
+
+use crate::contact::ContactState;
+
+/// Answer of an [`Oracle`].
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Verdict {
+    /// Nothing known against it.
+    Accept,
+    /// Impossible, with the reason in words.
+    Reject(String),
+}
+
+/// Judges contact states, transitions and beginnings of sequences; every method accepts by default.
+///
+/// A rejection must not depend on anything but the arguments: it is remembered and never asked again.
+pub trait Oracle {
+    /// Is there a configuration with these contacts? A rejected state is never entered again.
+    fn state(&mut self, _state: &ContactState) -> Verdict {
+        Verdict::Accept
+    }
+
+    /// Can the one follow the other? Asked for states that are accepted.
+    fn transition(&mut self, _from: &ContactState, _to: &ContactState) -> Verdict {
+        Verdict::Accept
+    }
+
+    /// Can a sequence begin with s_1 … s_k? Asked before it is extended or returned; s_1 … s_{k−1} is accepted.
+    fn prefix(&mut self, _states: &[&ContactState]) -> Verdict {
+        Verdict::Accept
+    }
+
+    /// True to end the search at once (time limit, interrupt); it can be resumed.
+    fn stop(&mut self) -> bool {
+        false
+    }
+}
+
+/// Accepts everything.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct AcceptAll;
+
+impl Oracle for AcceptAll {}

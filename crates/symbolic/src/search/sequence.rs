@@ -1,0 +1,47 @@
+//! The result of a search: a contact sequence.
+
+use crate::contact::ContactState;
+use crate::graph::{SkeletonGraph, StateId, Successor};
+
+/// A contact sequence s_1 … s_K.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sequence {
+    /// The state of every phase, the start first.
+    pub states: Vec<ContactState>,
+    /// Per phase what changed on entering it: `start`, `grasp red_box with left_hand`, `left_foot off ground_top`.
+    pub labels: Vec<String>,
+    /// The skeleton: labels of the manipulation actions, in order.
+    pub skeleton: Vec<String>,
+    /// Cost by which sequences are ordered.
+    pub cost: f64,
+}
+
+impl Sequence {
+    /// Puts the edges of a path from the root into words.
+    pub(crate) fn along(graph: &SkeletonGraph, edges: &[Successor], cost: f64) -> Self {
+        let mut node = graph.root();
+        let mut sequence = Self {
+            states: vec![graph.state(node.state).clone()],
+            labels: vec!["start".to_owned()],
+            skeleton: Vec::new(),
+            cost,
+        };
+        for edge in edges {
+            sequence.states.push(graph.state(edge.node.state).clone());
+            sequence.labels.push(graph.label(node, edge));
+            let operator = edge
+                .operator
+                .map(|n| graph.manipulation().task.operators()[n].label.clone());
+            sequence.skeleton.extend(operator);
+            node = edge.node;
+        }
+        sequence
+    }
+}
+
+/// The states of a path.
+pub(crate) fn states_along(edges: &[Successor]) -> Vec<StateId> {
+    std::iter::once(StateId(0))
+        .chain(edges.iter().map(|edge| edge.node.state))
+        .collect()
+}

@@ -1,0 +1,197 @@
+//! What the oracle has said: remembered verdicts and the reasons of rejections.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::contact::ContactState;
+use crate::graph::{SkeletonGraph, StateId};
+use crate::search::oracle::{Oracle, Verdict};
+
+/// What was rejected.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Rejected {
+    /// A contact state, wherever it occurs.
+    State(ContactState),
+    /// A transition, wherever it occurs.
+    Transition(ContactState, ContactState),
+    /// Every sequence that begins with these states, or is equal to them.
+    Prefix(Vec<ContactState>),
+}
+
+/// A rejection with its reason.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Rejection {
+    /// What was rejected.
+    pub what: Rejected,
+    /// Why, in words.
+    pub reason: String,
+}
+
+/// Counts of a search.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Beginnings of sequences that were created.
+    pub created: usize,
+    /// Beginnings that were judged.
+    pub judged: usize,
+    /// Beginnings dropped because of their last state.
+    pub dropped_by_state: usize,
+    /// Beginnings dropped because of their last transition.
+    pub dropped_by_transition: usize,
+    /// Beginnings dropped as a whole.
+    pub dropped_by_prefix: usize,
+    /// Sequences returned.
+    pub returned: usize,
+}
+
+/// Verdicts by content.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Verdicts {
+    states: BTreeMap<StateId, bool>,
+    transitions: BTreeMap<(StateId, StateId), bool>,
+    rejected_prefixes: BTreeSet<Vec<StateId>>,
+    accepted_prefixes: Option<BTreeSet<Vec<StateId>>>,
+    rejections: Vec<Rejection>,
+    pub(crate) counts: Counts,
+}
+
+impl Verdicts {
+    /// Verdicts that also remember accepted prefixes, for searches that come across the same one again.
+    pub(crate) fn remembering_accepted() -> Self {
+        Self {
+            accepted_prefixes: Some(BTreeSet::new()),
+            ..Self::default()
+        }
+    }
+
+    pub(crate) fn rejections(&self) -> &[Rejection] {
+        &self.rejections
+    }
+
+    /// Judges the last state, the last transition and the whole of a path whose beginning is accepted.
+    pub(crate) fn accepts(
+        &mut self,
+        graph: &SkeletonGraph,
+        path: &[StateId],
+        oracle: &mut dyn Oracle,
+    ) -> bool {
+        let Some(&last) = path.last() else {
+            return true;
+        };
+        self.counts.judged += 1;
+        if !self.accepts_state(graph, last, oracle) {
+            self.counts.dropped_by_state += 1;
+            return false;
+        }
+        if let [.., before, last] = path
+            && !self.accepts_transition(graph, *before, *last, oracle)
+        {
+            self.counts.dropped_by_transition += 1;
+            return false;
+        }
+        let accepted = self.accepts_prefix(graph, path, oracle);
+        self.counts.dropped_by_prefix += usize::from(!accepted);
+        accepted
+    }
+
+    fn accepts_state(
+        &mut self,
+        graph: &SkeletonGraph,
+        id: StateId,
+        oracle: &mut dyn Oracle,
+    ) -> bool {
+        if let Some(&known) = self.states.get(&id) {
+            return known;
+        }
+        let state = graph.state(id);
+        let accepted = self.note(oracle.state(state), || Rejected::State(state.clone()));
+        self.states.insert(id, accepted);
+        accepted
+    }
+
+    fn accepts_transition(
+        &mut self,
+        graph: &SkeletonGraph,
+        from: StateId,
+        to: StateId,
+        oracle: &mut dyn Oracle,
+    ) -> bool {
+        if let Some(&known) = self.transitions.get(&(from, to)) {
+            return known;
+        }
+        let (one, two) = (graph.state(from), graph.state(to));
+        let accepted = self.note(oracle.transition(one, two), || {
+            Rejected::Transition(one.clone(), two.clone())
+        });
+        self.transitions.insert((from, to), accepted);
+        accepted
+    }
+
+    fn accepts_prefix(
+        &mut self,
+        graph: &SkeletonGraph,
+        path: &[StateId],
+        oracle: &mut dyn Oracle,
+    ) -> bool {
+        if self.rejected_prefixes.contains(path) {
+            return false;
+        }
+        if self
+            .accepted_prefixes
+            .as_ref()
+            .is_some_and(|known| known.contains(path))
+        {
+            return true;
+        }
+        let states: Vec<&ContactState> = path.iter().map(|&id| graph.state(id)).collect();
+        let verdict = oracle.prefix(&states);
+        let accepted = self.note(verdict, || {
+            Rejected::Prefix(states.iter().map(|&state| state.clone()).collect())
+        });
+        if !accepted {
+            self.rejected_prefixes.insert(path.to_vec());
+        } else if let Some(known) = &mut self.accepted_prefixes {
+            known.insert(path.to_vec());
+        }
+        accepted
+    }
+
+    fn note(&mut self, verdict: Verdict, what: impl FnOnce() -> Rejected) -> bool {
+        match verdict {
+            Verdict::Accept => true,
+            Verdict::Reject(reason) => {
+                self.rejections.push(Rejection {
+                    what: what(),
+                    reason,
+                });
+                false
+            }
+        }
+    }
+
+    /// Takes a rejection from outside the oracle.
+    pub(crate) fn reject(&mut self, graph: &mut SkeletonGraph, rejection: Rejection) {
+        match &rejection.what {
+            Rejected::State(state) => {
+                self.states.insert(graph.intern(state), false);
+            }
+            Rejected::Transition(from, to) => {
+                self.transitions
+                    .insert((graph.intern(from), graph.intern(to)), false);
+            }
+            Rejected::Prefix(states) => {
+                let path = states.iter().map(|state| graph.intern(state)).collect();
+                self.rejected_prefixes.insert(path);
+            }
+        }
+        self.rejections.push(rejection);
+    }
+
+    /// True if nothing on the path has been rejected meanwhile.
+    pub(crate) fn is_alive(&self, path: &[StateId]) -> bool {
+        path.iter().all(|id| self.states.get(id) != Some(&false))
+            && path
+                .windows(2)
+                .all(|pair| self.transitions.get(&(pair[0], pair[1])) != Some(&false))
+            && (1..=path.len()).all(|n| !self.rejected_prefixes.contains(&path[..n]))
+    }
+}

@@ -1,0 +1,4 @@
+//! Tests of the symbolic layer against hand-worked examples and brute force.
+
+mod first;
+mod fixtures;
