@@ -1,1 +1,24 @@
-//! To be written.
+//! The paper's trajectory optimisation problem for one contact sequence, robot and objects together.
+//!
+//! Data flow: a [`scene::Scene`] and a sequence of [`Phase`]s become a [`Program`] (which variables and rows exist), a
+//! [`Trajectory`] evaluates it, the solver moves a [`Point`], [`motion`] solves it from keyframes to a checked result.
+
+mod chain;
+pub mod collision;
+mod difference;
+mod guess;
+pub mod motion;
+mod point;
+mod problem;
+mod program;
+mod relative;
+mod settings;
+mod system;
+pub mod terms;
+
+pub use motion::{Keyframes, Motion, Planner, Worst};
+pub use point::Point;
+pub use problem::Trajectory;
+pub use program::{Force, Grid, Interval, Node, Phase, Program, RowLabel, Subject, goal_body};
+pub use settings::{Margins, Preset, Settings, Weights};
+pub use system::System;

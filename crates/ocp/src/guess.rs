@@ -1,0 +1,194 @@
+//! Initial guesses: keyframe configurations from the sequence alone, trajectories from keyframes.
+//!
+//! Source: formulation, section 5.
+
+use crate::point::Point;
+use crate::program::{Phase, Program};
+use crate::system::System;
+use nalgebra::Vector3;
+use scene::{Owner, Role, Scene};
+use spatial::Pose;
+use symbolic::Contact;
+
+/// Height by which an object in the air is lifted above its neighbours in the guess [m].
+const LIFT: f64 = 0.06;
+/// First guess of a phase's duration [s].
+const DURATION: f64 = 0.7;
+
+/// One configuration per phase boundary: the start posture, objects on their supports or between them, the base moved
+/// along with what the robot handles once a foot may move.
+pub fn keyframes(scene: &Scene, system: &System, phases: &[Phase]) -> Vec<Vec<f64>> {
+    let start = system.start(scene);
+    let mut out = vec![start.clone(); phases.len() + 1];
+    for (o, object) in scene.objects.iter().enumerate() {
+        let poses = object_poses(scene, o, &object.world_from_start, phases);
+        let first = system.object_q(o);
+        for (q, pose) in out.iter_mut().zip(&poses) {
+            q[first..first + 7].copy_from_slice(&pose.to_xyzquat());
+        }
+    }
+    let offsets = base_offsets(scene, system, phases, &out);
+    for (q, offset) in out.iter_mut().zip(offsets) {
+        for i in 0..3 {
+            q[i] += offset[i];
+        }
+    }
+    out
+}
+
+/// The contact that supports an object in a phase: its landing surface on a static body or another object.
+fn support(scene: &Scene, object: usize, phase: &Phase) -> Option<Contact> {
+    phase.state.contacts.iter().copied().find(|c| {
+        scene.interfaces[c.a.0].owner == Owner::Object(object)
+            && !matches!(scene.interfaces[c.b.0].owner, Owner::Robot { .. })
+    })
+}
+
+fn object_poses(scene: &Scene, object: usize, start: &Pose, phases: &[Phase]) -> Vec<Pose> {
+    let mut known: Vec<Option<Pose>> = vec![None; phases.len() + 1];
+    known[0] = Some(*start);
+    let mut current = (support(scene, object, &phases[0]), *start);
+    for (k, phase) in phases.iter().enumerate() {
+        let contact = support(scene, object, phase);
+        if let Some(contact) = contact {
+            if current.0 != Some(contact) {
+                current = (Some(contact), resting_pose(scene, contact, &current.1));
+            }
+            known[k] = Some(current.1);
+            known[k + 1] = Some(current.1);
+        } else {
+            current.0 = None;
+        }
+    }
+    // In the air: between the neighbours, a little higher.
+    let mut out = Vec::with_capacity(known.len());
+    for k in 0..known.len() {
+        let before = (0..=k).rev().find_map(|i| known[i].map(|p| (i, p)));
+        let after = (k..known.len()).find_map(|i| known[i].map(|p| (i, p)));
+        out.push(match (known[k], before, after) {
+            (Some(pose), _, _) => pose,
+            (None, Some((i, from)), Some((j, to))) => {
+                let s = (k - i) as f64 / (j - i) as f64;
+                lifted(&from.plus(&(to.minus(&from) * s)))
+            }
+            (None, Some((_, from)), None) => lifted(&from),
+            (None, None, _) => *start,
+        });
+    }
+    out
+}
+
+fn lifted(pose: &Pose) -> Pose {
+    Pose::from_parts(*pose.rotation(), pose.origin() + Vector3::new(0.0, 0.0, LIFT))
+}
+
+/// The object's pose with its surface in the middle of a support, turned as little as possible.
+fn resting_pose(scene: &Scene, contact: Contact, now: &Pose) -> Pose {
+    let (a, b) = (&scene.interfaces[contact.a.0], &scene.interfaces[contact.b.0]);
+    let world_from_b = match b.owner {
+        Owner::Object(o) => scene.objects[o].world_from_start * b.body_from_interface,
+        _ => b.body_from_interface,
+    };
+    let mut origin = world_from_b.origin();
+    if b.half_size.is_none() {
+        let kept = (*now * a.body_from_interface).origin();
+        origin = Vector3::new(kept.x, kept.y, origin.z);
+    }
+    let body_origin = origin - now.rotate(a.body_from_interface.origin());
+    Pose::from_parts(*now.rotation(), body_origin)
+}
+
+/// Horizontal and vertical offsets of the base per phase boundary.
+fn base_offsets(scene: &Scene, system: &System, phases: &[Phase], nodes: &[Vec<f64>]) -> Vec<Vector3<f64>> {
+    let feet = |phase: &Phase| -> Vec<Contact> {
+        phase.state.contacts.iter().copied().filter(|c| scene.interfaces[c.a.0].role == Role::Foot).collect()
+    };
+    let mut known: Vec<Option<Vector3<f64>>> = vec![None; nodes.len()];
+    known[0] = Some(Vector3::zeros());
+    let start_feet = feet(&phases[0]);
+    let mut moved = false;
+    for (k, phase) in phases.iter().enumerate() {
+        let now = feet(phase);
+        let mut wish = None;
+        for contact in &phase.state.contacts {
+            let (a, b) = (&scene.interfaces[contact.a.0], &scene.interfaces[contact.b.0]);
+            if let (Owner::Robot { .. }, Owner::Object(o)) = (a.owner, b.owner) {
+                let first = system.object_q(o);
+                let shift = |i: usize| nodes[k + 1][first + i] - nodes[0][first + i];
+                wish = Some(Vector3::new(shift(0), shift(1), 0.0));
+            }
+        }
+        if !moved {
+            known[k] = Some(Vector3::zeros());
+        }
+        // A foot on another surface takes the base along.
+        for contact in now.iter().filter(|c| !start_feet.contains(c)) {
+            let b = &scene.interfaces[contact.b.0];
+            let place = b.body_from_interface.origin();
+            if b.half_size.is_some() && matches!(b.owner, Owner::Static(_)) {
+                let weight = 1.0 / now.len().max(1) as f64;
+                let to = Vector3::new(place.x - nodes[0][0], place.y - nodes[0][1], place.z) * weight;
+                wish = Some(wish.unwrap_or(to));
+            }
+        }
+        moved |= now.len() < start_feet.len();
+        if moved && (wish.is_some() && now.len() == start_feet.len()) {
+            known[k + 1] = wish;
+        }
+    }
+    (0..known.len())
+        .map(|k| {
+            let before = (0..=k).rev().find_map(|i| known[i].map(|p| (i, p)));
+            let after = (k..known.len()).find_map(|i| known[i].map(|p| (i, p)));
+            match (before, after) {
+                (Some((i, from)), Some((j, to))) if j > i => from + (to - from) * ((k - i) as f64 / (j - i) as f64),
+                (Some((_, from)), _) => from,
+                _ => Vector3::zeros(),
+            }
+        })
+        .collect()
+}
+
+/// Interpolates keyframes to all nodes of a motion: at rest at every boundary (cubic).
+pub fn interpolate(system: &System, phases: &[Phase], keyframes: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let mut out = vec![keyframes[0].clone()];
+    for (k, phase) in phases.iter().enumerate() {
+        let difference = system.model.difference(&keyframes[k], &keyframes[k + 1]);
+        for i in 1..=phase.steps {
+            let s = i as f64 / phase.steps as f64;
+            let smooth = s * s * (3.0 - 2.0 * s);
+            let increment: Vec<f64> = difference.iter().map(|d| d * smooth).collect();
+            out.push(system.model.integrate(&keyframes[k], &increment));
+        }
+    }
+    // Explicit Euler from rest and to rest: the first two and the last two nodes coincide.
+    let n = out.len() - 1;
+    out[1] = out[0].clone();
+    out[n - 1] = out[n].clone();
+    out
+}
+
+/// A point of a program from node configurations: wrenches carry weights, durations are alike.
+pub fn point(program: &Program, scene: &Scene, nodes: Vec<Vec<f64>>) -> Point {
+    let wrenches = program
+        .intervals
+        .iter()
+        .map(|interval| {
+            let mut wrench = vec![0.0; interval.n_wrench];
+            for force in &interval.forces {
+                wrench[force.first..force.first + force.n].copy_from_slice(&force.reference[..force.n]);
+            }
+            wrench
+        })
+        .collect();
+    let duration = DURATION.clamp(
+        program.settings.min_duration.max(0.0),
+        program.settings.max_duration.max(program.settings.min_duration),
+    );
+    let _ = scene;
+    let durations = match program.grid {
+        crate::Grid::Motion => vec![duration; program.steps.len()],
+        crate::Grid::Keyframes => vec![1.0; program.steps.len()],
+    };
+    Point { nodes, wrenches, durations }
+}

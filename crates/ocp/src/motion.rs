@@ -1,0 +1,181 @@
+//! From a contact sequence to a motion: keyframes, initial guess, trajectory, repair of missed collision pairs.
+
+use crate::collision::CollisionModel;
+use crate::guess;
+use crate::point::Point;
+use crate::program::{Grid, Phase, Program, RowLabel};
+use crate::settings::Settings;
+use crate::system::System;
+use crate::problem::Trajectory;
+use scene::Scene;
+use solver::{InteriorPoint, Iteration, Options, Problem, Report, Status};
+
+/// Rounds of solving with more collision pairs.
+const REPAIRS: usize = 2;
+/// Largest violation of a keyframe set that still counts as possible, in the rows' own units (m, rad).
+const KEYFRAME_TOLERANCE: f64 = 1e-4;
+
+/// A problem's worst row in words.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Worst {
+    /// Where the row comes from.
+    pub label: RowLabel,
+    /// Phase.
+    pub phase: usize,
+    /// Interval.
+    pub interval: usize,
+    /// Violation in the label's unit.
+    pub amount: f64,
+}
+
+/// Keyframes of a sequence.
+#[derive(Debug, Clone)]
+pub struct Keyframes {
+    /// One configuration per phase boundary.
+    pub nodes: Vec<Vec<f64>>,
+    /// True if all rows hold.
+    pub possible: bool,
+    /// What is violated most.
+    pub worst: Option<Worst>,
+    /// The solver's report.
+    pub report: Report,
+}
+
+/// A motion.
+pub struct Motion {
+    /// The program it solves, with scratch.
+    pub trajectory: Trajectory,
+    /// The point.
+    pub point: Point,
+    /// The solver's report of the last round.
+    pub report: Report,
+    /// Iterations of all rounds.
+    pub iterations: usize,
+    /// Solver time of all rounds [s].
+    pub seconds: f64,
+    /// True if every row holds.
+    pub feasible: bool,
+    /// What is violated most, if anything is.
+    pub worst: Option<Worst>,
+}
+
+/// What a planner needs for one scene, made once.
+pub struct Planner<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Robot and objects as one model.
+    pub system: System,
+    /// Balls and obstacles.
+    pub collisions: CollisionModel,
+}
+
+impl<'a> Planner<'a> {
+    /// Prepares a scene.
+    ///
+    /// # Errors
+    /// If robot and objects do not make a model.
+    pub fn new(scene: &'a Scene) -> Result<Self, multibody::ModelError> {
+        let system = System::new(scene)?;
+        let collisions = CollisionModel::new(scene, &system);
+        Ok(Self { scene, system, collisions })
+    }
+
+    /// One configuration per phase boundary that satisfies all contacts and clearances, no statics.
+    pub fn keyframes(&self, phases: &[Phase], settings: &Settings) -> Keyframes {
+        let nodes = guess::keyframes(self.scene, &self.system, phases);
+        let program =
+            Program::new(self.scene, &self.system, &self.collisions, phases, settings, Grid::Keyframes, &nodes);
+        let mut point = guess::point(&program, self.scene, nodes);
+        let mut trajectory = Trajectory::new(program);
+        let options = Options {
+            max_iterations: 80,
+            feasibility_tolerance: 1e-6,
+            dual_tolerance: 1e-2,
+            complementarity_tolerance: 1e-2,
+            min_barrier: 1e-6,
+            stall_iterations: 25,
+            ..Options::default()
+        };
+        let structure = trajectory.structure().clone();
+        let report =
+            InteriorPoint::new(&structure).solve(&mut trajectory, &mut point, &options, None, &mut |_| true);
+        let worst = worst_row(&trajectory.program, &report);
+        let possible = report.violation <= KEYFRAME_TOLERANCE;
+        Keyframes { nodes: point.nodes, possible, worst, report }
+    }
+
+    /// Optimises the motion of a sequence from its keyframes; `observe` sees every iteration and may stop it.
+    pub fn motion(
+        &self,
+        phases: &[Phase],
+        settings: &Settings,
+        keyframes: &[Vec<f64>],
+        observe: &mut dyn FnMut(&Iteration) -> bool,
+    ) -> Motion {
+        let nodes = guess::interpolate(&self.system, phases, keyframes);
+        let mut program =
+            Program::new(self.scene, &self.system, &self.collisions, phases, settings, Grid::Motion, &nodes);
+        let mut point = guess::point(&program, self.scene, nodes);
+        let (mut iterations, mut seconds) = (0, 0.0);
+        for round in 0.. {
+            let mut trajectory = Trajectory::new(program);
+            let structure = trajectory.structure().clone();
+            let mut options = Options { max_iterations: settings.max_iterations, ..Options::default() };
+            if round > 0 {
+                options.initial_barrier = 1e-3;
+                options.bound_push = 1e-4;
+            }
+            let report =
+                InteriorPoint::new(&structure).solve(&mut trajectory, &mut point, &options, None, observe);
+            iterations += report.iterations;
+            seconds += report.timing.total.as_secs_f64();
+            let solved = report.violation <= 10.0 * options.feasibility_tolerance;
+            if solved && report.status != Status::Interrupted && round < REPAIRS {
+                let again = Program::new(
+                    self.scene,
+                    &self.system,
+                    &self.collisions,
+                    phases,
+                    settings,
+                    Grid::Motion,
+                    &point.nodes,
+                );
+                if crate::motion::violates_new_rows(&again, &point) {
+                    program = again;
+                    continue;
+                }
+            }
+            let worst = worst_row(&trajectory.program, &report).filter(|_| !solved);
+            return Motion { trajectory, point, report, iterations, seconds, feasible: solved, worst };
+        }
+        unreachable!("the loop returns in its last round")
+    }
+}
+
+/// True if a point violates clearance rows of a program.
+pub(crate) fn violates_new_rows(program: &Program, point: &Point) -> bool {
+    let mut trajectory = Trajectory::new(program.clone());
+    let mut data: Vec<_> = program.structure.elements.iter().map(solver::ElementData::new).collect();
+    trajectory.evaluate(point, &mut data);
+    data.iter().zip(&program.structure.elements).any(|(d, e)| {
+        d.values.iter().zip(e.row_lower.iter().zip(&e.row_upper)).any(|(c, (l, u))| l - c > 1e-5 || c - u > 1e-5)
+    })
+}
+
+/// The most violated row of a report, in units of its label.
+pub fn worst_row(program: &Program, report: &Report) -> Option<Worst> {
+    let mut worst: Option<Worst> = None;
+    let mut row = 0;
+    for (t, element) in program.structure.elements.iter().enumerate() {
+        for (l, u) in element.row_lower.iter().zip(&element.row_upper) {
+            let amount = (l - report.rows[row]).max(report.rows[row] - u);
+            let label = &program.labels[row];
+            if amount > worst.as_ref().map_or(1e-7, |w| w.amount / w.label.scale) {
+                let amount = amount * label.scale;
+                worst = Some(Worst { label: label.clone(), phase: program.phase_of(t), interval: t, amount });
+            }
+            row += 1;
+        }
+    }
+    worst
+}

@@ -1,0 +1,146 @@
+//! Options of the trajectory problem in one place: preset, weights, margins, bounds.
+
+/// Which problem is solved (formulation 2.14).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Preset {
+    /// What users should execute: base rows, distance constraints, margins.
+    #[default]
+    Default,
+    /// The paper's problem to the letter: momentum rows, velocity-level sticking, sigmoid penalties, no margins.
+    Paper,
+}
+
+/// Weights of the costs; each multiplies half a sum of squares over all nodes or intervals. Dimensionless after the
+/// scaling that is named, so that they fit robots of any size.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Weights {
+    /// Joint angles about the home posture [1/rad²].
+    pub posture: f64,
+    /// The same at the last node.
+    pub final_posture: f64,
+    /// Tilt of the base.
+    pub tilt: f64,
+    /// Velocities [s²/rad²].
+    pub velocity: f64,
+    /// Accelerations [s⁴/rad²].
+    pub acceleration: f64,
+    /// Contact wrenches in units of their scale.
+    pub force: f64,
+    /// Velocities of objects.
+    pub object_velocity: f64,
+    /// Accelerations of objects.
+    pub object_acceleration: f64,
+    /// Sum of the phase durations, w_T [1/s].
+    pub time: f64,
+    /// Collision penalties of the paper preset.
+    pub penalty: f64,
+    /// Height of the base at the end, for the objective "base height" [1/m].
+    pub height: f64,
+}
+
+impl Default for Weights {
+    fn default() -> Self {
+        Self {
+            posture: 0.05,
+            final_posture: 1.0,
+            tilt: 4.0,
+            velocity: 0.02,
+            acceleration: 2e-4,
+            force: 1e-3,
+            object_velocity: 0.01,
+            object_acceleration: 1e-3,
+            time: 2.0,
+            penalty: 1.0,
+            height: 50.0,
+        }
+    }
+}
+
+/// What a plan keeps in reserve; all neutral in the paper preset.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Margins {
+    /// Share of the friction coefficients that may be used.
+    pub friction: f64,
+    /// Share of a patch's extent that the centre of pressure may use.
+    pub pressure: f64,
+    /// Share of the torque limits that may be used.
+    pub torque: f64,
+    /// Distance kept from joint limits [rad or m].
+    pub joint_range: f64,
+    /// Share of the joint velocity limits that may be used.
+    pub velocity: f64,
+    /// Distance between the robot or an object and what it does not touch [m].
+    pub clearance: f64,
+    /// Distance between links of the robot [m].
+    pub self_clearance: f64,
+    /// Height of a foot between its contacts [m].
+    pub swing: f64,
+    /// Distance that a contact's edge keeps from the edge of its support [m].
+    pub bounds: f64,
+}
+
+impl Margins {
+    /// Margins of an executable plan.
+    pub fn executable() -> Self {
+        Self {
+            friction: 0.9,
+            pressure: 0.8,
+            torque: 0.95,
+            joint_range: 0.02,
+            velocity: 0.8,
+            clearance: 0.02,
+            self_clearance: 0.01,
+            swing: 0.03,
+            bounds: 0.005,
+        }
+    }
+
+    /// No margins.
+    pub fn none() -> Self {
+        Self {
+            friction: 1.0,
+            pressure: 1.0,
+            torque: 1.0,
+            joint_range: 0.0,
+            velocity: 1.0,
+            clearance: 0.0,
+            self_clearance: 0.0,
+            swing: 0.0,
+            bounds: 0.0,
+        }
+    }
+}
+
+/// Everything that shapes the problem beside the scene and the contact sequence.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    /// Which problem.
+    pub preset: Preset,
+    /// Shortest phase [s].
+    pub min_duration: f64,
+    /// Longest phase [s].
+    pub max_duration: f64,
+    /// Are the torque limits enforced.
+    pub torque_limits: bool,
+    /// Weights of the costs.
+    pub weights: Weights,
+    /// Margins.
+    pub margins: Margins,
+    /// Iteration limit of one solve.
+    pub max_iterations: usize,
+}
+
+impl Settings {
+    /// The given preset with the options of a scene.
+    pub fn new(preset: Preset, options: &scene::OptimiserOptions) -> Self {
+        Self {
+            preset,
+            min_duration: options.min_duration,
+            max_duration: options.max_duration,
+            torque_limits: options.torque_limits,
+            weights: Weights::default(),
+            margins: if preset == Preset::Default { Margins::executable() } else { Margins::none() },
+            max_iterations: options.max_iterations,
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! The robot and all movable objects as one multibody system: a forest whose first tree is the robot.
+//!
+//! Objects are single floating bodies, so one inverse dynamics gives the robot's base rows and torques and the objects'
+//! Newton–Euler rows ("eq:torque_constraint", "eq:twist_wrench_dynamics"), each in its own body frame.
+
+use crate::relative::{Body, Carrier};
+use multibody::{Joint, JointKind, Model, ModelError};
+use nalgebra::Vector3;
+use scene::{Owner, Scene};
+use spatial::{Inertia, Pose};
+
+/// The system's model and where its parts are.
+#[derive(Debug, Clone)]
+pub struct System {
+    /// Robot joints first, then one free flyer per object.
+    pub model: Model,
+    /// Number of joints of the robot model.
+    pub n_robot_joints: usize,
+    /// Length of the robot's part of q.
+    pub robot_nq: usize,
+    /// Length of the robot's part of v.
+    pub robot_nv: usize,
+    /// Mass of the robot [kg].
+    pub robot_mass: f64,
+}
+
+impl System {
+    /// Joins the scene's robot and objects.
+    ///
+    /// # Errors
+    /// [`ModelError`] if the parts do not make a model.
+    pub fn new(scene: &Scene) -> Result<Self, ModelError> {
+        let robot = &scene.robot.model;
+        let mut joints = robot.joints.clone();
+        for object in &scene.objects {
+            joints.push(Joint {
+                name: object.name.clone(),
+                kind: JointKind::FreeFlyer,
+                parent: None,
+                parent_from_joint: Pose::identity(),
+                inertia: Inertia { mass: object.mass, com: Vector3::zeros(), inertia: object.inertia },
+                idx_q: 0,
+                idx_v: 0,
+                lower: f64::NEG_INFINITY,
+                upper: f64::INFINITY,
+                velocity_limit: f64::INFINITY,
+                torque_limit: f64::INFINITY,
+            });
+        }
+        let mut model = Model::new(&scene.name, joints, robot.frames.clone())?;
+        model.gravity = scene.gravity;
+        Ok(Self {
+            n_robot_joints: robot.joints.len(),
+            robot_nq: robot.nq,
+            robot_nv: robot.nv,
+            robot_mass: robot.total_mass(),
+            model,
+        })
+    }
+
+    /// The joint that carries an object.
+    pub fn object_joint(&self, object: usize) -> usize {
+        self.n_robot_joints + object
+    }
+
+    /// First index of an object in v.
+    pub fn object_v(&self, object: usize) -> usize {
+        self.model.joints[self.object_joint(object)].idx_v
+    }
+
+    /// First index of an object in q.
+    pub fn object_q(&self, object: usize) -> usize {
+        self.model.joints[self.object_joint(object)].idx_q
+    }
+
+    /// Where an interface sits.
+    pub fn carrier(&self, owner: Owner, body_from_interface: &Pose) -> Carrier {
+        match owner {
+            Owner::Robot { frame } => {
+                let frame = &self.model.frames[frame];
+                let body_from_frame = frame.joint_from_frame * *body_from_interface;
+                Carrier { body: frame.joint.map_or(Body::World, Body::Joint), body_from_frame }
+            }
+            Owner::Object(o) => {
+                Carrier { body: Body::Joint(self.object_joint(o)), body_from_frame: *body_from_interface }
+            }
+            Owner::Static(_) => Carrier { body: Body::World, body_from_frame: *body_from_interface },
+        }
+    }
+
+    /// Full start configuration: the robot's, then the objects'.
+    pub fn start(&self, scene: &Scene) -> Vec<f64> {
+        let mut q = scene.start.clone();
+        for object in &scene.objects {
+            q.extend(object.world_from_start.to_xyzquat());
+        }
+        q
+    }
+
+    /// First velocity index of each floating body.
+    pub fn floating(&self) -> Vec<usize> {
+        self.model.joints.iter().filter(|j| j.kind == JointKind::FreeFlyer).map(|j| j.idx_v).collect()
+    }
+
+    /// Robot joints with one degree of freedom, in the order of the model.
+    pub fn actuated(&self) -> impl Iterator<Item = &Joint> {
+        self.model.joints[..self.n_robot_joints].iter().filter(|j| j.kind != JointKind::FreeFlyer)
+    }
+}

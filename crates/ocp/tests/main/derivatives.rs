@@ -1,0 +1,144 @@
+//! Every derivative of the assembled program against central differences of its values.
+
+use crate::scenes::{random_scene, state};
+use ocp::collision::CollisionModel;
+use ocp::{Grid, Phase, Point, Preset, Program, Settings, System, Trajectory};
+use solver::{ElementData, Problem};
+use spatial::Random;
+use symbolic::ContactType::{BilateralPatch, UnilateralPatch, UnilateralPoint};
+
+/// A program with every kind of contact, at a random point around which everything moves.
+fn program(seed: u64, grid: Grid, preset: Preset) -> (Trajectory, Point) {
+    let scene = random_scene(seed);
+    let system = System::new(&scene).expect("a model");
+    let collisions = CollisionModel::new(&scene, &system);
+    let phase = |steps, pairs: &[_]| Phase { state: state(pairs), steps };
+    let phases = vec![
+        phase(3, &[(0, 5, UnilateralPatch), (3, 6, UnilateralPatch)]),
+        phase(2, &[(0, 5, UnilateralPatch), (1, 4, BilateralPatch), (2, 4, UnilateralPoint)]),
+        phase(3, &[(1, 4, BilateralPatch), (2, 6, UnilateralPoint), (3, 6, UnilateralPatch)]),
+    ];
+    let settings = Settings::new(preset, &scene.optimiser);
+    let mut random = Random::new(seed + 5);
+    let n: usize = if grid == Grid::Motion { 8 } else { 3 };
+    let start = system.start(&scene);
+    let mut nodes = vec![start.clone()];
+    for _ in 0..n {
+        let step: Vec<f64> = (0..system.model.nv).map(|_| random.uniform(-0.15, 0.15)).collect();
+        nodes.push(system.model.integrate(&nodes[nodes.len() - 1], &step));
+    }
+    if grid == Grid::Motion {
+        nodes[1] = nodes[0].clone();
+        nodes[n] = nodes[n - 1].clone();
+    }
+    let program = Program::new(&scene, &system, &collisions, &phases, &settings, grid, &nodes);
+    let wrenches =
+        program.intervals.iter().map(|i| (0..i.n_wrench).map(|_| random.uniform(-1.0, 1.0)).collect()).collect();
+    let durations = if grid == Grid::Motion { vec![0.9, 0.6, 1.2] } else { vec![1.0; 3] };
+    (Trajectory::new(program), Point { nodes, wrenches, durations })
+}
+
+struct Evaluation {
+    objective: f64,
+    rows: Vec<f64>,
+}
+
+fn evaluate(trajectory: &mut Trajectory, x: &Point) -> Evaluation {
+    let mut data: Vec<_> = trajectory.structure().elements.iter().map(ElementData::new).collect();
+    trajectory.evaluate(x, &mut data);
+    Evaluation {
+        objective: data.iter().map(|d| d.objective).sum(),
+        rows: data.iter().flat_map(|d| d.values.iter().copied()).collect(),
+    }
+}
+
+fn check(seed: u64, grid: Grid, preset: Preset) {
+    let (mut trajectory, x) = program(seed, grid, preset);
+    let structure = trajectory.structure().clone();
+    let mut data: Vec<_> = structure.elements.iter().map(ElementData::new).collect();
+    let mut random = Random::new(seed + 77);
+    let n_rows: usize = structure.elements.iter().map(solver::ElementStructure::n_rows).sum();
+    let y: Vec<f64> = (0..n_rows).map(|_| random.uniform(-1.0, 1.0)).collect();
+    trajectory.linearise(&x, &y, &mut data);
+    for (t, d) in data.iter().enumerate() {
+        assert!(d.hessian.iter().all(|h| h.is_finite()), "element {t}: Hessian has unwritten entries");
+        assert!(d.jacobians.iter().flatten().all(|h| h.is_finite()), "element {t}: Jacobian has unwritten entries");
+    }
+    for trial in 0..400 {
+        // A direction over one, two or all variables.
+        let mut direction = vec![0.0; structure.n_vars];
+        match trial {
+            0..8 => direction.iter_mut().for_each(|d| *d = random.uniform(-1.0, 1.0)),
+            _ => {
+                let e = random.index(structure.elements.len());
+                let vars = &structure.elements[e].vars;
+                for _ in 0..=trial % 2 {
+                    direction[vars[random.index(vars.len())]] = random.uniform(0.5, 1.0);
+                }
+            }
+        }
+        let mut at = |s: f64| {
+            let mut moved = x.clone();
+            trajectory.retract(&x, &direction, s, &mut moved);
+            evaluate(&mut trajectory, &moved)
+        };
+        let h = 2e-4;
+        let (p1, p2, m1, m2, zero) = (at(h), at(2.0 * h), at(-h), at(-2.0 * h), at(0.0));
+        let first = |f: &dyn Fn(&Evaluation) -> f64| (8.0 * (f(&p1) - f(&m1)) - f(&p2) + f(&m2)) / (12.0 * h);
+        let lagrangian =
+            |e: &Evaluation| e.objective + e.rows.iter().zip(&y).map(|(c, y)| c * y).sum::<f64>();
+        let second = (-lagrangian(&p2) + 16.0 * lagrangian(&p1) - 30.0 * lagrangian(&zero) + 16.0 * lagrangian(&m1)
+            - lagrangian(&m2))
+            / (12.0 * h * h);
+        // Gradient, rows and Hessian along the direction.
+        let (mut slope, mut curvature) = (0.0, 0.0);
+        let mut row = 0;
+        for (e, d) in structure.elements.iter().zip(&data) {
+            let n = e.vars.len();
+            let local: Vec<f64> = e.vars.iter().map(|&v| direction[v]).collect();
+            slope += d.gradient.iter().zip(&local).map(|(g, x)| g * x).sum::<f64>();
+            for j in 0..n {
+                for i in j..n {
+                    let twice = if i == j { 1.0 } else { 2.0 };
+                    curvature += twice * d.hessian[j * n + i] * local[i] * local[j];
+                }
+            }
+            for (block, jacobian) in e.blocks.iter().zip(&d.jacobians) {
+                for r in 0..block.n_rows {
+                    let analytic: f64 = (0..block.cols.len())
+                        .map(|c| jacobian[c * block.n_rows + r] * local[block.cols[c]])
+                        .sum();
+                    let index = row + block.first_row + r;
+                    let numeric = first(&|e: &Evaluation| e.rows[index]);
+                    let label = &trajectory.program.labels[index];
+                    assert!(
+                        (analytic - numeric).abs() < 1e-5 * (1.0 + analytic.abs()),
+                        "seed {seed}, trial {trial}, {label:?}: {analytic} analytic, {numeric} by differences"
+                    );
+                }
+            }
+            row += e.n_rows();
+        }
+        let numeric = first(&|e: &Evaluation| e.objective);
+        assert!((slope - numeric).abs() < 1e-6 * (1.0 + slope.abs()), "trial {trial}: slope {slope}, {numeric}");
+        assert!(
+            (curvature - second).abs() < 1e-4 * (10.0 + curvature.abs()),
+            "seed {seed}, trial {trial}: curvature {curvature} analytic, {second} by differences; variables {:?}",
+            direction.iter().enumerate().filter(|(_, d)| **d != 0.0).map(|(i, _)| i).take(4).collect::<Vec<_>>()
+        );
+    }
+}
+
+#[test]
+fn the_motion_program_matches_central_differences() {
+    for seed in 0..4 {
+        check(seed, Grid::Motion, Preset::Default);
+    }
+}
+
+#[test]
+fn the_keyframe_program_matches_central_differences() {
+    for seed in 0..4 {
+        check(seed, Grid::Keyframes, Preset::Default);
+    }
+}

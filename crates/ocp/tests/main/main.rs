@@ -1,0 +1,3 @@
+//! Tests of the trajectory problem as a whole.
+mod derivatives;
+mod scenes;
