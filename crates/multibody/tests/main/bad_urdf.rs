@@ -248,8 +248,8 @@ fn masses_and_inertias_must_be_possible() {
 
 #[test]
 fn too_many_joints_are_refused() {
-    let links =
-        Vec::from_iter((0..700).map(|i| format!("<link name=\"l{i}\">{BODY}</link>"))).concat();
+    let link = |i: usize| format!("<link name=\"l{i}\">{BODY}</link>");
+    let links = (0..700).map(link).collect::<Vec<_>>().concat();
     let joint = |i: usize| {
         joint(
             &format!("j{i}"),
