@@ -20,12 +20,9 @@ pub(crate) fn judge(motion: &Motion, found: &mut Measurements) {
             let place = || motion.place(t, &contact.name);
             found.add(Category::ContactDistance, b_from_a.origin().z.abs(), place);
             if contact.kind.is_patch() {
-                let cosine = -b_from_a.rotation()[(2, 2)];
-                found.add(
-                    Category::ContactAlignment,
-                    cosine.clamp(-1.0, 1.0).acos(),
-                    place,
-                );
+                let normal_in_b = b_from_a.rotate(Vector3::z());
+                let angle = normal_in_b.xy().norm().atan2(-normal_in_b.z);
+                found.add(Category::ContactAlignment, angle, place);
             } else {
                 let limb_in_b = b_from_a.rotate(motion.interfaces[contact.a].limb);
                 found.add(

@@ -291,3 +291,117 @@ fn add_virtual_power(
         at = robot.links[link].parent;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random_robot::{State, robot};
+
+    const H: f64 = 1e-5;
+
+    fn gravity() -> Vector3<f64> {
+        Vector3::new(0.5, -0.3, -9.81)
+    }
+
+    fn forces(robot: &Robot, state: &State, loads: &[(usize, Load)]) -> GeneralisedForces {
+        let links = state.links(robot);
+        inverse_dynamics(
+            robot,
+            &links,
+            &gravity(),
+            &momentum(robot, &links).com_in_world,
+            loads,
+        )
+    }
+
+    fn random_load(seed: u64) -> Load {
+        let mut random = spatial::Random::new(seed);
+        let mut vector = |scale: f64| Vector3::from_fn(|_, _| random.uniform(-scale, scale));
+        Load {
+            force: vector(10.0),
+            moment: vector(5.0),
+            point: vector(1.0),
+        }
+    }
+
+    #[test]
+    fn without_contacts_the_base_forces_are_the_rate_of_momentum_less_the_weight() {
+        for seed in 0..20 {
+            let robot = robot(seed);
+            let state = State::random(&robot, seed);
+            let at = |h: f64| momentum(&robot, &state.after(h).links(&robot));
+            let (before, after) = (at(-H), at(H));
+            let found = forces(&robot, &state, &[]);
+            let weight = gravity() * robot.mass();
+            let force = (after.linear - before.linear) / (2.0 * H) - weight;
+            let moment = (after.angular - before.angular) / (2.0 * H);
+            assert!(
+                (found.base_force - force).norm() < 1e-7 * (1.0 + force.norm()),
+                "seed {seed}"
+            );
+            assert!(
+                (found.base_moment - moment).norm() < 1e-7 * (1.0 + moment.norm()),
+                "seed {seed}"
+            );
+        }
+    }
+
+    /// Kinetic energy less the work of gravity.
+    fn energy(robot: &Robot, state: &State) -> f64 {
+        let body = |(link, at): (&crate::robot::Link, &FrameMotion)| {
+            let c = at.world_from_frame.act(link.com_in_link);
+            let omega = at.world_from_frame.rotate_inverse(at.omega);
+            let turning = omega.dot(&(link.inertia_in_link * omega));
+            0.5 * (link.mass * at.velocity_at(&c).norm_squared() + turning)
+                - link.mass * gravity().dot(&c)
+        };
+        robot.links.iter().zip(&state.links(robot)).map(body).sum()
+    }
+
+    fn power(robot: &Robot, state: &State, forces: &GeneralisedForces) -> f64 {
+        let links = state.links(robot);
+        let com = momentum(robot, &links).com_in_world;
+        let base = forces.base_force.dot(&links[0].velocity_at(&com))
+            + forces.base_moment.dot(&links[0].omega);
+        let joints: f64 = forces
+            .torques
+            .iter()
+            .zip(&state.v[6..])
+            .map(|(tau, rate)| tau * rate)
+            .sum();
+        base + joints
+    }
+
+    #[test]
+    fn the_power_of_all_forces_is_the_rate_of_energy() {
+        for seed in 0..50 {
+            let robot = robot(seed);
+            let state = State::random(&robot, seed);
+            let rate =
+                (energy(&robot, &state.after(H)) - energy(&robot, &state.after(-H))) / (2.0 * H);
+            let found = power(&robot, &state, &forces(&robot, &state, &[]));
+            assert!(
+                (found - rate).abs() < 1e-6 * (1.0 + rate.abs()),
+                "seed {seed}: {found} {rate}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_contact_takes_its_power_from_the_actuators() {
+        for seed in 0..20 {
+            let robot = robot(seed);
+            let state = State::random(&robot, seed);
+            let link = seed as usize % robot.links.len();
+            let load = random_load(seed);
+            let without = power(&robot, &state, &forces(&robot, &state, &[]));
+            let with = power(&robot, &state, &forces(&robot, &state, &[(link, load)]));
+            let at = state.links(&robot)[link];
+            let given = load.force.dot(&at.velocity_at(&load.point)) + load.moment.dot(&at.omega);
+            assert!(
+                (without - with - given).abs() < 1e-9 * (1.0 + given.abs()),
+                "seed {seed}"
+            );
+        }
+    }
+}

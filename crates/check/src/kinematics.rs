@@ -131,3 +131,45 @@ pub(crate) fn between(q: &[f64], next: &[f64], share: f64) -> Vec<f64> {
         .map(|(x, y)| x + share * (y - x));
     base.into_iter().chain(joints).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random_robot::{State, robot};
+
+    #[test]
+    fn rates_are_the_derivatives_of_poses_and_of_rates() {
+        const H: f64 = 1e-5;
+        for seed in 0..20 {
+            let robot = robot(seed);
+            let state = State::random(&robot, seed);
+            let at = |h: f64| state.after(h).links(&robot);
+            for ((before, now), after) in at(-H).iter().zip(&at(0.0)).zip(&at(H)) {
+                let twist = (after.world_from_frame.minus(&before.world_from_frame)) / (2.0 * H);
+                let turning = now
+                    .world_from_frame
+                    .rotate(twist.fixed_rows::<3>(3).into_owned());
+                let moving = (after.world_from_frame.origin() - before.world_from_frame.origin())
+                    / (2.0 * H);
+                assert!((turning - now.omega).norm() < 1e-8);
+                assert!((moving - now.velocity).norm() < 1e-8);
+                assert!(
+                    ((after.velocity - before.velocity) / (2.0 * H) - now.acceleration).norm()
+                        < 1e-7
+                );
+                assert!(((after.omega - before.omega) / (2.0 * H) - now.alpha).norm() < 1e-7);
+            }
+        }
+    }
+
+    #[test]
+    fn halfway_between_two_configurations_is_as_far_from_both() {
+        let robot = robot(0);
+        let (from, to) = (State::random(&robot, 1).q, State::random(&robot, 2).q);
+        let middle = between(&from, &to, 0.5);
+        let gap =
+            base_pose(&middle).minus(&base_pose(&from)) - base_pose(&to).minus(&base_pose(&middle));
+        assert!(gap.norm() < 1e-12);
+        assert!((middle[8] - 0.5 * (from[8] + to[8])).abs() < 1e-15);
+    }
+}

@@ -32,6 +32,8 @@ mod measure;
 mod motion;
 mod objects;
 mod options;
+#[cfg(test)]
+mod random_robot;
 mod report;
 mod robot;
 mod schema;

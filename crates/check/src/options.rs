@@ -23,8 +23,9 @@ pub struct Options {
     pub profile: Profile,
     /// Factor on every tolerance of the profile.
     pub tolerance_scale: f64,
-    /// Tolerances that replace those of the profile, by category name (see [`Options::set_tolerance`]).
-    tolerances: BTreeMap<&'static str, f64>,
+    /// Tolerances that replace those of the profile, by category name; set by [`Options::set_tolerance`], which refuses
+    /// unknown names (here they have no effect).
+    pub tolerances: BTreeMap<String, f64>,
     /// Measurements beyond their tolerance fail too.
     pub strict: bool,
     /// Which form of the dynamics must hold; `None`: the one that the plan names.
@@ -87,7 +88,7 @@ impl Options {
                 known,
             });
         };
-        self.tolerances.insert(spec.name, tolerance);
+        self.tolerances.insert(spec.name.to_owned(), tolerance);
         Ok(())
     }
 

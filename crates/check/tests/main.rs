@@ -1,1 +1,4 @@
 //! Tests of the checker, one binary.
+
+mod toy;
+mod valid;
