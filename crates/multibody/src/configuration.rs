@@ -5,8 +5,8 @@ use nalgebra::Vector6;
 use spatial::{Pose, Random};
 use std::f64::consts::PI;
 
-/// Range of random positions of unbounded joints [rad or m].
-const UNBOUNDED_RANGE: f64 = PI;
+/// Random positions stay within ± this, whatever the limits [rad or m].
+const WIDEST_RANGE: f64 = PI;
 
 impl Model {
     /// All zeros, no rotation of the base.
@@ -88,7 +88,7 @@ impl Model {
         }
     }
 
-    /// A random configuration within the limits, the same for the same seed; base within 1 m, unbounded joints within ±π.
+    /// A random configuration within the limits, the same for the same seed; base within 1 m, joints within ±π.
     pub fn random_configuration(&self, seed: u64) -> Vec<f64> {
         let mut random = Random::new(seed);
         let mut q = vec![0.0; self.nq];
@@ -97,16 +97,8 @@ impl Model {
             if joint.kind == JointKind::FreeFlyer {
                 q[i..i + 7].copy_from_slice(&Pose::random(seed).to_xyzquat());
             } else {
-                let lower = if joint.lower.is_finite() {
-                    joint.lower
-                } else {
-                    -UNBOUNDED_RANGE
-                };
-                let upper = if joint.upper.is_finite() {
-                    joint.upper
-                } else {
-                    UNBOUNDED_RANGE
-                };
+                let lower = (-WIDEST_RANGE).clamp(joint.lower, joint.upper);
+                let upper = WIDEST_RANGE.clamp(joint.lower, joint.upper);
                 q[i] = random.uniform(lower, upper);
             }
         }
