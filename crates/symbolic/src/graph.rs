@@ -307,28 +307,53 @@ impl SkeletonGraph {
     ) {
         let from = self.state(node.state);
         let (now, next) = (&self.positions[node.position.0], &self.positions[to.0]);
-        let mut base = from.clone();
-        base.contacts
-            .retain(|contact| !now.imposed.contains(contact) || next.imposed.contains(contact));
-        base.contacts.extend(next.imposed.iter());
-        if two_partners(&base).is_some() {
-            return; // a hand that is to grasp still supports elsewhere
-        }
         let sides: Vec<Vec<Change>> = self
             .free_interfaces(node.position)
             .filter(|i| !next.engaged.contains(i))
             .map(|i| changes_of(from, i, &self.free_landings[&i]))
             .filter(|changes| !changes.is_empty())
             .collect();
-        for count in 0..=self.options.max_changes.min(sides.len()) {
-            combine(&base, &sides, count, &mut |state| {
-                let legal =
-                    both_sides(&state).is_none() && transition_fault(from, &state).is_none();
-                if legal && self.satisfies(&state, to) {
-                    found.push((state, to, operator));
-                }
-            });
+        for kept in self.kept_on_release(now, next) {
+            let stays = |c: &Contact| {
+                !now.imposed.contains(c) || next.imposed.contains(c) || kept.contains(c)
+            };
+            let mut base: ContactState = from.iter().filter(stays).collect();
+            base.contacts.extend(next.imposed.iter());
+            if two_partners(&base).is_some() {
+                return; // a hand that is to grasp still supports elsewhere
+            }
+            for count in 0..=self.options.max_changes.min(sides.len()) {
+                combine(&base, &sides, count, &mut |state| {
+                    let legal =
+                        both_sides(&state).is_none() && transition_fault(from, &state).is_none();
+                    if legal && self.satisfies(&state, to) {
+                        found.push((state, to, operator));
+                    }
+                });
+            }
         }
+    }
+
+    /// The sets of contacts that hands may keep as supports when a grasp of several hands ends; first the empty set.
+    fn kept_on_release(&self, now: &Position, next: &Position) -> Vec<Vec<Contact>> {
+        let keepable = |c: &Contact| {
+            self.free_landings
+                .get(&c.a)
+                .is_some_and(|landings| landings.contains(c))
+        };
+        let released = now
+            .imposed
+            .iter()
+            .filter(|c| !next.imposed.contains(c) && keepable(c));
+        let mut sets = vec![Vec::new()];
+        for contact in released {
+            let more: Vec<Vec<Contact>> = sets
+                .iter()
+                .map(|set| [set.as_slice(), &[contact]].concat())
+                .collect();
+            sets.extend(more);
+        }
+        sets
     }
 
     /// The action of an edge, in words: the skeleton's action, then the changes of free interfaces.
@@ -344,12 +369,21 @@ impl SkeletonGraph {
         let own = |contact: &Contact| now.contains(contact) != next.contains(contact);
         action.breaks.retain(|contact| !own(contact));
         action.makes.retain(|contact| !own(contact));
-        let label = self.manipulation.task.operators()[operator].label.clone();
-        if action.is_empty() {
-            label
-        } else {
-            format!("{label}, {}", action.describe(&self.domain))
-        }
+        let mut words = vec![self.manipulation.task.operators()[operator].label.clone()];
+        words.extend(
+            self.kept(from, edge.node)
+                .map(|c| format!("{} stays", self.domain.contact_name(&c))),
+        );
+        words.extend((!action.is_empty()).then(|| action.describe(&self.domain)));
+        words.join(", ")
+    }
+
+    /// Contacts of a grasp that ends between the nodes while a hand keeps its contact as a support.
+    pub fn kept(&self, from: Node, to: Node) -> impl Iterator<Item = Contact> + '_ {
+        let (next, after) = (self.imposed(to.position), self.state(to.state));
+        self.imposed(from.position)
+            .iter()
+            .filter(|c| !next.contains(c) && after.contains(c))
     }
 }
 

@@ -20,6 +20,7 @@ mod graph;
 pub mod manipulation;
 pub mod search;
 pub mod state_rules;
+pub mod statistics;
 mod successors;
 mod task;
 mod task_graph;

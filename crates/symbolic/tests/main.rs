@@ -1,4 +1,11 @@
-//! Tests of the symbolic layer against hand-worked examples and brute force.
+//! Tests of the symbolic layer against examples worked by hand and against brute force.
 
-mod first;
+mod domain;
 mod fixtures;
+mod graph;
+mod rules;
+mod search;
+mod sequences;
+mod skeletons;
+mod statistics;
+mod task;

@@ -25,7 +25,7 @@ struct Beginning {
     last_foot: Option<InterfaceId>,
     n_phases: u32,
     cost: Units,
-    /// Number of outside rejections that it has been checked against.
+    /// Revision of the verdicts that it has been checked against.
     checked: u32,
 }
 
@@ -58,7 +58,6 @@ pub struct BestFirst {
     tree: Vec<Beginning>,
     queue: BinaryHeap<Reverse<Entry>>,
     age: u64,
-    outside_rejections: u32,
     status: Status,
 }
 
@@ -72,7 +71,6 @@ impl BestFirst {
             tree: Vec::new(),
             queue: BinaryHeap::new(),
             age: 0,
-            outside_rejections: 0,
             status: Status::Running,
         };
         if search.expansion.may_begin() {
@@ -142,7 +140,6 @@ impl BestFirst {
             reason: reason.into(),
         };
         self.verdicts.reject(&mut self.expansion.graph, rejection);
-        self.outside_rejections += 1;
     }
 
     /// How far the search is.
@@ -290,13 +287,13 @@ impl BestFirst {
     }
 
     fn is_alive(&mut self, index: u32) -> bool {
-        if self.tree[index as usize].checked == self.outside_rejections {
+        if self.tree[index as usize].checked == self.verdicts.revision {
             return true;
         }
         let path: Vec<StateId> = states_along(&self.edges(index));
         let alive = self.verdicts.is_alive(&path);
         if alive {
-            self.tree[index as usize].checked = self.outside_rejections;
+            self.tree[index as usize].checked = self.verdicts.revision;
         }
         alive
     }

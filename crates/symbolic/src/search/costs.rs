@@ -37,7 +37,7 @@ pub struct Costs {
     pub simultaneous: f64,
     /// Every phase in which no foot touches anything and no free hand touches a static body.
     pub flight: f64,
-    /// Every supporting contact that a free hand makes.
+    /// Every supporting contact that a free hand makes, or keeps when it lets go.
     pub hand_support: f64,
     /// Every landing of a foot on a surface that carries no foot at the start.
     pub new_surface: f64,
@@ -112,7 +112,9 @@ impl Costs {
         } else {
             0.0
         };
-        cost += self.hand_support * count(free.len() - feet.len() - hand_breaks(step, &free));
+        let kept = graph.kept(step.from, step.to).count();
+        cost +=
+            self.hand_support * count(kept + free.len() - feet.len() - hand_breaks(step, &free));
         cost += self.new_surface
             * count(
                 feet.iter()

@@ -22,7 +22,7 @@ pub struct SearchLimits {
     pub max_phases: Option<usize>,
     /// Where sequences end; default [`Ending::Full`] for an empty goal, otherwise [`Ending::First`].
     pub ending: Option<Ending>,
-    /// Most beginnings of sequences that are kept in memory (about 100 bytes each), then the search ends.
+    /// Most beginnings of sequences that are kept in memory (about 150 bytes each), then the search ends.
     pub max_nodes: usize,
 }
 
@@ -31,7 +31,7 @@ impl Default for SearchLimits {
         Self {
             max_phases: None,
             ending: None,
-            max_nodes: 5_000_000,
+            max_nodes: 2_000_000,
         }
     }
 }

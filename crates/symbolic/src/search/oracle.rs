@@ -9,6 +9,10 @@ pub enum Verdict {
     Accept,
     /// Impossible, with the reason in words.
     Reject(String),
+    /// Impossible because these contacts can never occur together, with the reason in words.
+    ///
+    /// From now on every state that contains them counts as rejected.
+    RejectContacts(ContactState, String),
 }
 
 /// Judges contact states, transitions and beginnings of sequences; every method accepts by default.

@@ -11,6 +11,8 @@ use crate::search::oracle::{Oracle, Verdict};
 pub enum Rejected {
     /// A contact state, wherever it occurs.
     State(ContactState),
+    /// Every contact state that contains these contacts.
+    Contacts(ContactState),
     /// A transition, wherever it occurs.
     Transition(ContactState, ContactState),
     /// Every sequence that begins with these states, or is equal to them.
@@ -47,10 +49,13 @@ pub struct Counts {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Verdicts {
     states: BTreeMap<StateId, bool>,
+    rejected_contacts: Vec<ContactState>,
     transitions: BTreeMap<(StateId, StateId), bool>,
     rejected_prefixes: BTreeSet<Vec<StateId>>,
     accepted_prefixes: Option<BTreeSet<Vec<StateId>>>,
     rejections: Vec<Rejection>,
+    /// Grows when a rejection concerns what may have been accepted before.
+    pub(crate) revision: u32,
     pub(crate) counts: Counts,
 }
 
@@ -103,7 +108,14 @@ impl Verdicts {
             return known;
         }
         let state = graph.state(id);
-        let accepted = self.note(oracle.state(state), || Rejected::State(state.clone()));
+        let known_reason = self
+            .rejected_contacts
+            .iter()
+            .any(|contacts| contacts.is_subset(state));
+        let accepted = !known_reason
+            && self.note(graph, oracle.state(state), || {
+                Rejected::State(state.clone())
+            });
         self.states.insert(id, accepted);
         accepted
     }
@@ -119,7 +131,7 @@ impl Verdicts {
             return known;
         }
         let (one, two) = (graph.state(from), graph.state(to));
-        let accepted = self.note(oracle.transition(one, two), || {
+        let accepted = self.note(graph, oracle.transition(one, two), || {
             Rejected::Transition(one.clone(), two.clone())
         });
         self.transitions.insert((from, to), accepted);
@@ -144,7 +156,7 @@ impl Verdicts {
         }
         let states: Vec<&ContactState> = path.iter().map(|&id| graph.state(id)).collect();
         let verdict = oracle.prefix(&states);
-        let accepted = self.note(verdict, || {
+        let accepted = self.note(graph, verdict, || {
             Rejected::Prefix(states.iter().map(|&state| state.clone()).collect())
         });
         if !accepted {
@@ -155,17 +167,31 @@ impl Verdicts {
         accepted
     }
 
-    fn note(&mut self, verdict: Verdict, what: impl FnOnce() -> Rejected) -> bool {
-        match verdict {
-            Verdict::Accept => true,
-            Verdict::Reject(reason) => {
-                self.rejections.push(Rejection {
-                    what: what(),
-                    reason,
-                });
-                false
+    /// Remembers a rejection; `what` is the thing in question.
+    fn note(
+        &mut self,
+        graph: &SkeletonGraph,
+        verdict: Verdict,
+        what: impl FnOnce() -> Rejected,
+    ) -> bool {
+        let (what, reason) = match verdict {
+            Verdict::Accept => return true,
+            Verdict::Reject(reason) => (what(), reason),
+            Verdict::RejectContacts(contacts, reason) => {
+                self.reject_contacts(graph, &contacts);
+                (Rejected::Contacts(contacts), reason)
             }
+        };
+        self.rejections.push(Rejection { what, reason });
+        false
+    }
+
+    fn reject_contacts(&mut self, graph: &SkeletonGraph, contacts: &ContactState) {
+        for (id, accepted) in &mut self.states {
+            *accepted = *accepted && !contacts.is_subset(graph.state(*id));
         }
+        self.rejected_contacts.push(contacts.clone());
+        self.revision += 1;
     }
 
     /// Takes a rejection from outside the oracle.
@@ -174,6 +200,7 @@ impl Verdicts {
             Rejected::State(state) => {
                 self.states.insert(graph.intern(state), false);
             }
+            Rejected::Contacts(contacts) => self.reject_contacts(graph, contacts),
             Rejected::Transition(from, to) => {
                 self.transitions
                     .insert((graph.intern(from), graph.intern(to)), false);
@@ -183,15 +210,16 @@ impl Verdicts {
                 self.rejected_prefixes.insert(path);
             }
         }
+        self.revision += 1;
         self.rejections.push(rejection);
     }
 
     /// True if nothing on the path has been rejected meanwhile.
     pub(crate) fn is_alive(&self, path: &[StateId]) -> bool {
+        let transition =
+            |pair: &[StateId]| self.transitions.get(&(pair[0], pair[1])) != Some(&false);
         path.iter().all(|id| self.states.get(id) != Some(&false))
-            && path
-                .windows(2)
-                .all(|pair| self.transitions.get(&(pair[0], pair[1])) != Some(&false))
+            && path.windows(2).all(transition)
             && (1..=path.len()).all(|n| !self.rejected_prefixes.contains(&path[..n]))
     }
 }
