@@ -1,7 +1,41 @@
 //! Scenes: the robot, movable objects, static bodies, interfaces, start and goal, read from one TOML file.
 //!
-//! All poses are given in the frame that the field's documentation names; SI units; z up.
+//! All poses are given in the frame that the field's documentation names; SI units; z up. The file format is described in
+//! `docs/scene-format.md` and, derived from the types of this crate, in `docs/scene.schema.json`. Faults are reported with
+//! the place in the file ([`SceneError`]).
 
+mod bodies;
+mod builtin;
+mod draft;
+mod error;
+mod file;
+mod goal;
+mod interfaces;
+mod load;
+mod nearest;
+mod options;
+mod overlap;
+mod parse;
+mod place;
+mod robot;
+mod rules;
+mod shapes;
+mod source;
+mod start;
+mod touch;
 mod types;
+mod values;
 
+pub use error::{Fault, SceneError};
+pub use source::Place;
 pub use types::*;
+
+/// The JSON Schema of a scene file (draft 2020-12), derived from the types.
+pub fn json_schema() -> serde_json::Value {
+    schemars::schema_for!(file::SceneFile).to_value()
+}
+
+/// The JSON Schema of a robot file (draft 2020-12), derived from the types.
+pub fn robot_json_schema() -> serde_json::Value {
+    schemars::schema_for!(robot::RobotFile).to_value()
+}

@@ -8,12 +8,23 @@ use symbolic::{Contact, ContactType, InterfaceId};
 /// A convex primitive, centred at its own frame.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
-    /// Half sizes along the own axes [m].
-    Box { half_size: Vector3<f64> },
-    /// A segment of half length `half_length` along the own z axis, thickened by `radius` [m].
-    Capsule { radius: f64, half_length: f64 },
-    /// A ball [m].
-    Sphere { radius: f64 },
+    /// A cuboid.
+    Box {
+        /// Half sizes along the own axes [m].
+        half_size: Vector3<f64>,
+    },
+    /// A segment along the own z axis, thickened.
+    Capsule {
+        /// Radius [m].
+        radius: f64,
+        /// The segment reaches from −`half_length` to `half_length` [m].
+        half_length: f64,
+    },
+    /// A ball.
+    Sphere {
+        /// Radius [m].
+        radius: f64,
+    },
     /// The half-space below the own z = 0 plane (static bodies only).
     HalfSpace,
 }
@@ -30,8 +41,11 @@ pub struct PlacedShape {
 /// Which kind of body carries an interface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Owner {
-    /// A link of the robot: index into `Model::frames` (one frame per URDF link).
-    Robot { frame: usize },
+    /// A link of the robot.
+    Robot {
+        /// Index into `Model::frames` (one frame per URDF link).
+        frame: usize,
+    },
     /// A movable object: index into `Scene::objects`.
     Object(usize),
     /// A static body: index into `Scene::statics`.
@@ -68,9 +82,9 @@ pub struct Interface {
     pub limb: Vector3<f64>,
     /// Contact types that it supports (as the landing side and as the side that is landed on).
     pub contact_types: Vec<ContactType>,
-    /// Largest force through one contact of this interface [N].
+    /// Largest force through one contact of this interface [N]; +∞ if unlimited.
     pub max_force: f64,
-    /// Largest moment through one contact of this interface [N·m].
+    /// Largest moment through one contact of this interface [N·m]; +∞ if unlimited.
     pub max_moment: f64,
     /// Sliding friction coefficient of this surface; a contact uses the smaller of its two.
     pub mu: f64,
@@ -78,6 +92,8 @@ pub struct Interface {
     pub mu_r: f64,
     /// True if a patch larger than this one may rest on it, its centre inside.
     pub overhang: bool,
+    /// True if it can be the landing side `a` of a contact: hands, feet, bottoms of objects. Others are only landed on.
+    pub lands: bool,
 }
 
 /// A movable rigid body; its frame has its origin at the centre of mass.

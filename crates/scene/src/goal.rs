@@ -1,0 +1,139 @@
+//! What must hold at the end.
+
+use crate::draft::Draft;
+use crate::file::{GoalContactEntry, GoalEntry, ObjectiveKindEntry, RegionEntry, SceneFile};
+use crate::robot::unknown_name;
+use crate::source::At;
+use crate::{Fault, GoalContact, Objective, RegionGoal, SceneError};
+use nalgebra::Vector3;
+
+/// Name of the robot's floating base in goal regions.
+pub(crate) const BASE_NAME: &str = "base";
+
+/// Goal and objective of a scene.
+pub(crate) struct Goal {
+    pub contacts: Vec<GoalContact>,
+    pub regions: Vec<RegionGoal>,
+    pub objective: Objective,
+}
+
+/// Reads `[goal]` and `[objective]`; at least one of them must ask for something.
+pub(crate) fn goal(draft: &Draft, file: &SceneFile) -> Result<Goal, SceneError> {
+    let entry = file.goal.as_deref();
+    let objective = match file.objective.as_ref().map(|o| *o.kind) {
+        Some(ObjectiveKindEntry::BaseHeight) => Objective::BaseHeight,
+        Some(ObjectiveKindEntry::Time) | None => Objective::Time,
+    };
+    let contacts = contacts(draft, entry)?;
+    let regions: Vec<RegionGoal> = entry
+        .iter()
+        .flat_map(|goal| &goal.region)
+        .map(|region| region_goal(draft, region))
+        .collect::<Result<_, _>>()?;
+    if contacts.is_empty() && regions.is_empty() && objective == Objective::Time {
+        let (span, found) = match (&file.goal, &file.objective) {
+            (Some(goal), _) => (goal.span(), "[goal] names neither a contact nor a region"),
+            (None, Some(objective)) => (
+                objective.kind.span(),
+                "least time without a goal is reached by doing nothing",
+            ),
+            (None, None) => (file.name.span(), "it has neither [goal] nor [objective]"),
+        };
+        return Err(draft.source.fault(span, Fault::EmptyGoal { found }));
+    }
+    Ok(Goal {
+        contacts,
+        regions,
+        objective,
+    })
+}
+
+fn contacts(draft: &Draft, entry: Option<&GoalEntry>) -> Result<Vec<GoalContact>, SceneError> {
+    let mut contacts: Vec<GoalContact> = Vec::new();
+    for pair in entry.iter().flat_map(|goal| &goal.contacts) {
+        let contact = goal_contact(draft, pair)?;
+        if let Some(other) = contacts
+            .iter()
+            .find(|c| c.a == contact.a && c.b != contact.b)
+        {
+            let name = |id: symbolic::InterfaceId| draft.interfaces[id.0].name.clone();
+            let fault = Fault::Impossible {
+                a: name(contact.a),
+                b: name(contact.b),
+                reason: format!("it is to land on {:?} as well", name(other.b)),
+                remedy: "demand one of the two".to_owned(),
+            };
+            return Err(draft.source.fault(pair.span(), fault));
+        }
+        if !contacts.contains(&contact) {
+            contacts.push(contact);
+        }
+    }
+    Ok(contacts)
+}
+
+fn goal_contact(draft: &Draft, pair: &At<GoalContactEntry>) -> Result<GoalContact, SceneError> {
+    let [first, second] = pair.0.as_slice() else {
+        let problem = "expected a pair [interface, interface]";
+        return Err(draft.source.bad_keys(pair.span(), "goal contact", problem));
+    };
+    let ids = (
+        draft.interface(first, "goal contact")?,
+        draft.interface(second, "goal contact")?,
+    );
+    let (a, b, _) = draft.landing_pair(pair.span(), ids, None)?;
+    Ok(GoalContact { a, b })
+}
+
+fn region_goal(draft: &Draft, region: &At<RegionEntry>) -> Result<RegionGoal, SceneError> {
+    let what = format!("goal region of {:?}", *region.body);
+    let names = || {
+        let objects = draft.objects.iter().map(|object| object.name.as_str());
+        let interfaces = draft.interfaces.iter();
+        let movable = interfaces.filter(|i| !matches!(i.owner, crate::Owner::Static(_)));
+        let frames = draft.robot.model.frames.iter();
+        [BASE_NAME]
+            .into_iter()
+            .chain(objects)
+            .chain(movable.map(|interface| interface.name.as_str()))
+            .chain(frames.map(|frame| frame.name.as_str()))
+    };
+    if !names().any(|name| name == *region.body) {
+        let kind = "object, robot link or interface that can move";
+        return Err(unknown_name(
+            draft.source,
+            &region.body,
+            "goal region",
+            kind,
+            names(),
+        ));
+    }
+    let mut lower = Vector3::repeat(f64::NEG_INFINITY);
+    let mut upper = Vector3::repeat(f64::INFINITY);
+    let axes = [&region.x, &region.y, &region.z];
+    if axes.iter().all(|axis| axis.is_none()) {
+        let problem = "expected at least one of x, y, z, each [smallest, largest]";
+        return Err(draft.source.bad_keys(region.span(), &what, problem));
+    }
+    for (i, axis) in axes.into_iter().enumerate() {
+        let Some(axis) = axis else { continue };
+        let [from, to] = **axis;
+        // also false for NaN
+        let is_range = from <= to && from < f64::INFINITY && to > f64::NEG_INFINITY;
+        if !is_range {
+            let fault = Fault::Value {
+                what,
+                value: format!("{:?}", **axis),
+                expected: "[smallest, largest] with smallest ≤ largest; -inf and inf are allowed"
+                    .to_owned(),
+            };
+            return Err(draft.source.fault(axis.span(), fault));
+        }
+        (lower[i], upper[i]) = (from, to);
+    }
+    Ok(RegionGoal {
+        body: (*region.body).clone(),
+        lower,
+        upper,
+    })
+}

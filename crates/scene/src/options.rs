@@ -1,0 +1,99 @@
+//! Options of the search and the optimiser, with their defaults.
+
+use crate::file::{OptimiserEntry, SearchEntry};
+use crate::source::{At, Source};
+use crate::{OptimiserOptions, SceneError, SearchOptions};
+
+/// Largest counts of phases, actions and changes that make sense.
+const LARGEST_COUNT: usize = 1000;
+
+/// Largest number of intervals per phase.
+const LARGEST_STEPS: usize = 200;
+
+/// Largest number of iterations.
+const LARGEST_ITERATIONS: usize = 100_000;
+
+impl Default for SearchOptions {
+    fn default() -> Self {
+        Self {
+            max_phases: None,
+            max_skeleton: None,
+            max_changes: 1,
+            support_hands: false,
+        }
+    }
+}
+
+impl Default for OptimiserOptions {
+    fn default() -> Self {
+        Self {
+            steps: 10,
+            min_duration: 0.25,
+            max_duration: 1.5,
+            torque_limits: true,
+            max_iterations: 200,
+        }
+    }
+}
+
+/// `[search]`.
+pub(crate) fn search(source: &Source, entry: &SearchEntry) -> Result<SearchOptions, SceneError> {
+    let default = SearchOptions::default();
+    let count = |what: &str, value: Option<&At<usize>>| {
+        value
+            .map(|value| source.count(what, value, 1..=LARGEST_COUNT))
+            .transpose()
+    };
+    Ok(SearchOptions {
+        max_phases: count("max_phases", entry.max_phases.as_ref())?,
+        max_skeleton: count("max_skeleton", entry.max_skeleton.as_ref())?,
+        max_changes: count("max_changes", entry.max_changes.as_ref())?
+            .unwrap_or(default.max_changes),
+        support_hands: entry.support_hands.unwrap_or(default.support_hands),
+    })
+}
+
+/// `[optimiser]`.
+pub(crate) fn optimiser(
+    source: &Source,
+    entry: &OptimiserEntry,
+) -> Result<OptimiserOptions, SceneError> {
+    let default = OptimiserOptions::default();
+    let duration = |what: &str, value: Option<&At<f64>>, otherwise: f64| match value {
+        Some(value) => source.positive(what, "s", value),
+        None => Ok(otherwise),
+    };
+    let min_duration = duration(
+        "min_duration",
+        entry.min_duration.as_ref(),
+        default.min_duration,
+    )?;
+    let max_duration = duration(
+        "max_duration",
+        entry.max_duration.as_ref(),
+        default.max_duration.max(min_duration),
+    )?;
+    if let (true, Some(given)) = (max_duration < min_duration, &entry.max_duration) {
+        let problem = format!(
+            "{max_duration} s is less than min_duration, {min_duration} s; raise it or lower min_duration"
+        );
+        return Err(source.bad_keys(given.span(), "max_duration", &problem));
+    }
+    let count = |what: &str, value: Option<&At<usize>>, largest: usize, otherwise: usize| {
+        value.map_or(Ok(otherwise), |value| {
+            source.count(what, value, 1..=largest)
+        })
+    };
+    Ok(OptimiserOptions {
+        steps: count("steps", entry.steps.as_ref(), LARGEST_STEPS, default.steps)?,
+        min_duration,
+        max_duration,
+        torque_limits: entry.torque_limits.unwrap_or(default.torque_limits),
+        max_iterations: count(
+            "max_iterations",
+            entry.max_iterations.as_ref(),
+            LARGEST_ITERATIONS,
+            default.max_iterations,
+        )?,
+    })
+}

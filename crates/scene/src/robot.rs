@@ -1,0 +1,335 @@
+//! The robot: a built-in one, a robot file beside its URDF, or a bare URDF.
+
+use crate::builtin;
+use crate::file::RobotInterfaceEntry;
+use crate::interfaces::{Friction, robot_interface};
+use crate::nearest::nearest;
+use crate::parse::parse;
+use crate::source::{At, Place, Source};
+use crate::{Fault, Interface, PlacedShape, Robot, SceneError, Shape};
+use multibody::{JointKind, Model, Root};
+use nalgebra::Vector3;
+use schemars::JsonSchema;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Entries of q that belong to the floating base.
+pub(crate) const BASE: usize = 7;
+
+/// The parts of a capsule may miss each other by this much [m].
+const CAPSULE_PLAY: f64 = 1e-4;
+
+/// A robot file: what a planner needs beside the URDF.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "a robot")]
+#[schemars(title = "locotamp robot")]
+#[allow(dead_code, reason = "source and licence are for people")]
+pub(crate) struct RobotFile {
+    /// Name, for people and plan files.
+    pub name: At<String>,
+    /// Path of the URDF, relative to this file.
+    pub urdf: At<String>,
+    /// Where the description comes from.
+    pub source: Option<String>,
+    /// Its licence.
+    pub licence: Option<String>,
+    /// Joint positions of a nominal stand [rad or m]; joints not named are at 0 or at the nearest limit.
+    #[serde(default)]
+    pub home: BTreeMap<At<String>, At<f64>>,
+    /// Hands and feet.
+    #[serde(default)]
+    pub interface: Vec<RobotInterfaceEntry>,
+}
+
+/// A robot with its interfaces.
+pub(crate) struct LoadedRobot {
+    pub robot: Robot,
+    pub interfaces: Vec<Interface>,
+    /// True if the robot came without a home posture.
+    pub bare: bool,
+}
+
+/// Texts that a robot is made of.
+struct Texts {
+    urdf: String,
+    /// Where the URDF is named.
+    place: Place,
+    file: Option<(Source, RobotFile)>,
+}
+
+/// The robot that `name` names, at `place` of a scene file in `base_dir`.
+pub(crate) fn load(
+    name: &str,
+    place: Place,
+    base_dir: &Path,
+    friction: Friction,
+    gravity: Vector3<f64>,
+) -> Result<LoadedRobot, SceneError> {
+    let texts = find_texts(name, place, base_dir)?;
+    let mut model = Model::from_urdf(&texts.urdf, Root::Floating).map_err(|source| {
+        let robot = name.to_owned();
+        SceneError::at(texts.place.clone(), Fault::Robot { robot, source })
+    })?;
+    model.gravity = gravity;
+    let mut home = neutral_within_limits(&model);
+    let mut interfaces = Vec::new();
+    let mut robot_name = model.name.clone();
+    if let Some((source, file)) = &texts.file {
+        robot_name.clone_from(&file.name);
+        set_joints(source, &model, &file.home, &mut home)?;
+        interfaces = robot_interfaces(source, &model, &file.interface, friction)?;
+    }
+    let shapes = collision_shapes(&mut model);
+    Ok(LoadedRobot {
+        robot: Robot {
+            name: robot_name,
+            urdf: texts.urdf,
+            model,
+            home,
+            shapes,
+        },
+        interfaces,
+        bare: texts.file.is_none(),
+    })
+}
+
+fn find_texts(name: &str, place: Place, base_dir: &Path) -> Result<Texts, SceneError> {
+    if let Some(robot) = builtin::robot(name) {
+        let source = Source::new(&format!("built-in robot {name}"), robot.file);
+        let file = parse(&source, robot.file)?;
+        return Ok(Texts {
+            urdf: robot.urdf.to_owned(),
+            place,
+            file: Some((source, file)),
+        });
+    }
+    let path = base_dir.join(name);
+    let extension = path.extension().and_then(|e| e.to_str());
+    match extension.map(str::to_ascii_lowercase).as_deref() {
+        Some("urdf" | "xml") => Ok(Texts {
+            urdf: read(&path, &place)?,
+            place,
+            file: None,
+        }),
+        Some("toml") => {
+            let text = read(&path, &place)?;
+            let source = Source::new(&path.display().to_string(), &text);
+            let file: RobotFile = parse(&source, &text)?;
+            let urdf_path = path.parent().unwrap_or(Path::new("")).join(&*file.urdf);
+            let urdf_place = source.place(file.urdf.span());
+            Ok(Texts {
+                urdf: read(&urdf_path, &urdf_place)?,
+                place: urdf_place,
+                file: Some((source, file)),
+            })
+        }
+        _ => Err(SceneError::at(
+            place,
+            Fault::UnknownName {
+                user: "robot".into(),
+                kind: "built-in robot",
+                name: name.to_owned(),
+                nearest: nearest(name, builtin::robot_names()).map(str::to_owned),
+                known: format!(
+                    "{}, or a path that ends in .toml or .urdf",
+                    builtin::robot_names().collect::<Vec<_>>().join(", ")
+                ),
+            },
+        )),
+    }
+}
+
+fn read(path: &Path, place: &Place) -> Result<String, SceneError> {
+    std::fs::read_to_string(path).map_err(|error| {
+        let fault = Fault::Read {
+            path: path.display().to_string(),
+            reason: error.to_string(),
+        };
+        SceneError::at(place.clone(), fault)
+    })
+}
+
+/// Joint positions of length n: zero, or the limit that is nearest to zero.
+fn neutral_within_limits(model: &Model) -> Vec<f64> {
+    model
+        .joints
+        .iter()
+        .filter(|joint| joint.kind != JointKind::FreeFlyer)
+        .map(|joint| 0f64.max(joint.lower).min(joint.upper))
+        .collect()
+}
+
+/// Writes the named joint positions into `joints` (length n), within limits.
+pub(crate) fn set_joints(
+    source: &Source,
+    model: &Model,
+    entries: &BTreeMap<At<String>, At<f64>>,
+    joints: &mut [f64],
+) -> Result<(), SceneError> {
+    for (name, value) in entries {
+        let named = model
+            .joints
+            .iter()
+            .find(|joint| joint.name == **name && joint.kind != JointKind::FreeFlyer);
+        let Some(joint) = named else {
+            let known = model.joints.iter().skip(1).map(|joint| joint.name.as_str());
+            return Err(unknown_name(source, name, "robot", "moving joint", known));
+        };
+        let position = source.finite(&format!("position of joint {:?}", joint.name), value)?;
+        if position < joint.lower || position > joint.upper {
+            let fault = Fault::JointLimit {
+                joint: joint.name.clone(),
+                value: position,
+                lower: joint.lower,
+                upper: joint.upper,
+            };
+            return Err(source.fault(value.span(), fault));
+        }
+        joints[joint.idx_q - BASE] = position;
+    }
+    Ok(())
+}
+
+/// The interfaces of the robot that a file lists.
+pub(crate) fn robot_interfaces(
+    source: &Source,
+    model: &Model,
+    entries: &[RobotInterfaceEntry],
+    friction: Friction,
+) -> Result<Vec<Interface>, SceneError> {
+    entries
+        .iter()
+        .map(|entry| {
+            let frame = model.frames.iter().position(|f| f.name == *entry.link);
+            let Some(frame) = frame else {
+                let user = format!("interface {:?}", *entry.name);
+                let known = model.frames.iter().map(|frame| frame.name.as_str());
+                return Err(unknown_name(source, &entry.link, &user, "link", known));
+            };
+            robot_interface(source, entry, frame, friction)
+        })
+        .collect()
+}
+
+/// The fault of a name that nothing has.
+pub(crate) fn unknown_name<'a>(
+    source: &Source,
+    name: &At<String>,
+    user: &str,
+    kind: &'static str,
+    known: impl Iterator<Item = &'a str>,
+) -> SceneError {
+    let known: Vec<&str> = known.collect();
+    let fault = Fault::UnknownName {
+        user: user.to_owned(),
+        kind,
+        name: (**name).clone(),
+        nearest: nearest(name, known.iter().copied()).map(str::to_owned),
+        known: if known.is_empty() {
+            "none".into()
+        } else {
+            known.join(", ")
+        },
+    };
+    source.fault(name.span(), fault)
+}
+
+/// Collision shapes per link. Capsules are put together again, other cylinders become boxes around them; meshes are left
+/// out with a note in the model.
+fn collision_shapes(model: &mut Model) -> Vec<Vec<PlacedShape>> {
+    let mut notes = Vec::new();
+    let mut per_link = Vec::new();
+    for frame in &model.frames {
+        let mut used = vec![false; frame.shapes.len()];
+        let mut shapes = Vec::new();
+        for (index, placed) in frame.shapes.iter().enumerate() {
+            if let Some(ends) = capsule_ends(&frame.shapes, index) {
+                used[index] = true;
+                for end in ends {
+                    used[end] = true;
+                }
+                shapes.extend(capsule(placed));
+            }
+        }
+        for (placed, _) in frame.shapes.iter().zip(&used).filter(|(_, used)| !**used) {
+            if let multibody::Shape::Mesh { filename, .. } = &placed.shape {
+                notes.push(format!(
+                    "link {:?}: the mesh {filename:?} is not used for collisions; add a box, sphere or capsule",
+                    frame.name
+                ));
+            }
+            shapes.extend(single_shape(placed));
+        }
+        per_link.push(shapes);
+    }
+    model.notes.extend(notes);
+    per_link
+}
+
+/// Indices of the two balls that round off the cylinder `index`: URDF has no capsule, so three elements stand for one.
+fn capsule_ends(shapes: &[multibody::PlacedShape], index: usize) -> Option<[usize; 2]> {
+    let multibody::Shape::Cylinder {
+        radius,
+        half_length,
+    } = shapes[index].shape
+    else {
+        return None;
+    };
+    let ball_at = |z: f64| {
+        let end = shapes[index]
+            .frame_from_shape
+            .act(Vector3::new(0.0, 0.0, z));
+        shapes.iter().position(|other| match other.shape {
+            multibody::Shape::Sphere { radius: ball } => {
+                (ball - radius).abs() < CAPSULE_PLAY
+                    && (other.frame_from_shape.origin() - end).norm() < CAPSULE_PLAY
+            }
+            _ => false,
+        })
+    };
+    Some([ball_at(-half_length)?, ball_at(half_length)?])
+}
+
+/// The capsule of a cylinder with round ends.
+fn capsule(cylinder: &multibody::PlacedShape) -> Option<PlacedShape> {
+    match cylinder.shape {
+        multibody::Shape::Cylinder {
+            radius,
+            half_length,
+        } => Some(PlacedShape {
+            body_from_shape: cylinder.frame_from_shape,
+            shape: Shape::Capsule {
+                radius,
+                half_length,
+            },
+        }),
+        _ => None,
+    }
+}
+
+/// A shape that stands for itself; `None` for a mesh.
+fn single_shape(placed: &multibody::PlacedShape) -> Option<PlacedShape> {
+    let shape = match placed.shape {
+        multibody::Shape::Box { half_size } => Shape::Box { half_size },
+        multibody::Shape::Sphere { radius } => Shape::Sphere { radius },
+        multibody::Shape::Capsule {
+            radius,
+            half_length,
+        } => Shape::Capsule {
+            radius,
+            half_length,
+        },
+        multibody::Shape::Cylinder {
+            radius,
+            half_length,
+        } => Shape::Box {
+            half_size: Vector3::new(radius, radius, half_length),
+        },
+        multibody::Shape::Mesh { .. } => return None,
+    };
+    Some(PlacedShape {
+        body_from_shape: placed.frame_from_shape,
+        shape,
+    })
+}

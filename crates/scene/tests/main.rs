@@ -1,0 +1,3 @@
+//! Tests of scene files as a whole, one binary.
+
+mod builtin;
