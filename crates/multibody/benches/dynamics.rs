@@ -98,7 +98,7 @@ fn main() {
     });
     let mut rnea = Rnea::new(&model);
     bench("RNEA", states, |s| {
-        keep(rnea.compute(&model, &s.kinematics, &s.v, &s.a)[0])
+        keep(rnea.compute(&model, &s.kinematics, &s.v, &s.a)[0]);
     });
     bench("RNEA with FK", states, |s| {
         s.kinematics.update(&model, &s.q);
@@ -106,7 +106,7 @@ fn main() {
     });
     let mut crba = Crba::new(&model);
     bench("CRBA", states, |s| {
-        keep(crba.compute(&model, &s.kinematics)[0])
+        keep(crba.compute(&model, &s.kinematics)[0]);
     });
     bench("CRBA with FK", states, |s| {
         s.kinematics.update(&model, &s.q);
@@ -114,7 +114,7 @@ fn main() {
     });
     let mut com = CenterOfMass::new(&model);
     bench("centre of mass and Jacobian", states, |s| {
-        keep(com.compute(&model, &s.kinematics).0)
+        keep(com.compute(&model, &s.kinematics).0);
     });
     let mut centroidal = Centroidal::new(&model);
     bench("centroidal map and momentum", states, |s| {
