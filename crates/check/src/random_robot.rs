@@ -22,7 +22,7 @@ pub(crate) fn robot(seed: u64) -> Robot {
     for i in 0..8 {
         let (place, mass) = (
             format!("xyz='{}' rpy='{}'", numbers(3, 0.2), numbers(3, 3.0)),
-            1.0 + i as f64,
+            1.0 + f64::from(i),
         );
         write!(
             text,

@@ -219,6 +219,15 @@ pub(crate) fn stand() -> Plan {
     Builder::new(Recipe::default(), &[20]).plan("stand")
 }
 
+/// The same without leaning on the stick.
+pub(crate) fn stand_without_leaning() -> Plan {
+    Builder {
+        lean: Vector3::zeros(),
+        ..Builder::new(Recipe::default(), &[20])
+    }
+    .plan("stand")
+}
+
 /// A robot that lifts the box.
 pub(crate) fn lift() -> Plan {
     lift_by(Recipe {
@@ -235,6 +244,8 @@ pub(crate) fn lift_by(recipe: Recipe) -> Plan {
 /// Everything over time, in the making.
 struct Builder {
     recipe: Recipe,
+    /// Force of the shelf on the stick, when standing [N].
+    lean: Vector3<f64>,
     steps: Vec<usize>,
     x: Vec<Coordinates>,
     v: Vec<Coordinates>,
@@ -272,6 +283,7 @@ impl Builder {
         let box_pose: Vec<_> = x.iter().map(|x| box_under_palm(*x)).collect();
         let mut builder = Self {
             recipe,
+            lean: xz(1.5, 8.0),
             steps: steps.to_vec(),
             x,
             v,
@@ -383,7 +395,7 @@ impl Builder {
             let stick = if lifting {
                 zero
             } else {
-                Planar(xz(1.5, 8.0), 0.0)
+                Planar(self.lean, 0.0)
             };
             let (foot, joints) = self.loads(t, palm, stick);
             feet.push(foot.row());

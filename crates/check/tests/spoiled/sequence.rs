@@ -1,0 +1,125 @@
+//! Goals that are missed and sequences that are not legal.
+
+use check::{Options, check};
+use plan::{Contact, ContactType, GoalRegion};
+
+use super::{Case, case, contact, judge_all};
+use crate::toy::{lift, stand};
+
+/// The box is at least at this height.
+fn region(lower: f64) -> GoalRegion {
+    GoalRegion {
+        body: "box".into(),
+        lower: [None, None, Some(lower)],
+        upper: [Some(5.0), None, None],
+        extra: plan::Extra::new(),
+    }
+}
+
+/// Corruptions of the goal.
+pub(crate) fn goal_cases() -> Vec<Case> {
+    vec![
+        case("a goal contact not held", "goal", &[], lift(), |p| {
+            p.goal[0].b = "table_top".into();
+        }),
+        case("a goal region missed", "goal_region", &[], lift(), |p| {
+            p.goal_regions.push(region(1.2));
+        }),
+    ]
+}
+
+#[test]
+fn goals_that_are_missed() {
+    judge_all(goal_cases());
+    let mut reached = lift();
+    reached.goal_regions.push(region(0.6));
+    assert_eq!(
+        check(&reached, &Options::default())
+            .row("goal_region")
+            .unwrap()
+            .value,
+        Some(0.0)
+    );
+}
+
+/// Corruptions of the contact sequence.
+pub(crate) fn transition_cases() -> Vec<Case> {
+    let contact_rows = &[
+        "contact_distance",
+        "contact_bounds",
+        "contact_alignment",
+        "contact_velocity",
+        "contact_spin",
+        "node_velocity",
+        "slip_phase",
+        "slip_contact",
+        "slip_yaw_phase",
+        "touchdown",
+        "end_velocity",
+    ];
+    vec![
+        case(
+            "a partner changed without a free phase",
+            "transitions",
+            contact_rows,
+            lift(),
+            |p| {
+                let twin = Contact {
+                    b: "shelf_top".into(),
+                    ..contact(p, 0, "box_bottom").clone()
+                };
+                p.phases[1].contacts.push(Contact {
+                    wrench: vec![[0.0; 6]; 40],
+                    ..twin
+                });
+            },
+        ),
+        case(
+            "one surface in two contacts",
+            "transitions",
+            contact_rows,
+            stand(),
+            |p| {
+                let twin = Contact {
+                    b: "ground_top".into(),
+                    ..contact(p, 0, "tip").clone()
+                };
+                p.phases[0].contacts.push(Contact {
+                    wrench: vec![[0.0; 6]; 20],
+                    ..twin
+                });
+            },
+        ),
+        case(
+            "a pair listed both ways",
+            "transitions",
+            contact_rows,
+            lift(),
+            |p| {
+                let twin = Contact {
+                    a: "box_top".into(),
+                    b: "palm".into(),
+                    ..contact(p, 1, "palm").clone()
+                };
+                p.phases[1].contacts.push(Contact {
+                    wrench: vec![[0.0; 6]; 40],
+                    ..twin
+                });
+            },
+        ),
+        case(
+            "a contact that changes its type",
+            "transitions",
+            &["point_moment"],
+            lift(),
+            |p| {
+                contact(p, 1, "palm").kind = ContactType::BilateralPoint;
+            },
+        ),
+    ]
+}
+
+#[test]
+fn sequences_that_are_not_legal() {
+    judge_all(transition_cases());
+}
