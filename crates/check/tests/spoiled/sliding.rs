@@ -6,6 +6,7 @@ use super::{Case, box_states, case, judge_all};
 use crate::toy::{lift, stand};
 
 /// Corruptions that make contacts slide or spin.
+#[allow(clippy::too_many_lines, reason = "a table")]
 pub(crate) fn cases() -> Vec<Case> {
     let creep = |p: &mut Plan| {
         p.q.iter_mut()

@@ -4,6 +4,7 @@ use super::{Case, box_states, case, in_urdf, interface, judge_all};
 use crate::toy::{lift, stand};
 
 /// Corruptions of states, times and limits.
+#[allow(clippy::too_many_lines, reason = "a table")]
 pub(crate) fn cases() -> Vec<Case> {
     let moving = || lift();
     vec![

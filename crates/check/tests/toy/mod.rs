@@ -7,193 +7,21 @@
 //! - `stand`: one phase; the stick leans on a shelf behind, a box rests on the table in front.
 //! - `lift`: the hand holds the box by its top, then lifts it while the legs stretch and the arm swings.
 
+mod planar;
+mod scene;
+
 use nalgebra::Vector3;
 use plan::{
-    Contact, ContactType, Dynamics, Extra, Geometry, GoalContact, Integrator, Interface,
-    InterfaceKind, Object, ObjectStates, Phase, Plan, Pose7, Robot, Row6, StaticBody, Status,
+    Contact, ContactType, Dynamics, Extra, GoalContact, Integrator, ObjectStates, Phase, Plan,
+    Row6, Status,
 };
 use spatial::{Pose, exp_so3};
 
-const URDF: &str = include_str!("toy.urdf");
-const G: f64 = 9.81;
+use planar::{Body, Coordinates, G, Planar, Snapshot, moment, turned, xz};
+use scene::{BOX_HALF, BOX_INERTIA, BOX_MASS, NO_TURN, SOLE_IN_LEG, pose7};
+
 const DT: f64 = 0.01;
-/// Centre of the sole, seen from the leg.
-const SOLE_IN_LEG: [f64; 3] = [0.05, 0.0, -0.4];
 const BASE_HEIGHT: f64 = 0.6;
-const BOX_HALF: f64 = 0.05;
-const BOX_MASS: f64 = 1.2;
-const BOX_INERTIA: f64 = 0.003;
-const NO_TURN: [f64; 4] = [0.0, 0.0, 0.0, 1.0];
-const UPSIDE_DOWN: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
-
-fn xz(x: f64, z: f64) -> Vector3<f64> {
-    Vector3::new(x, 0.0, z)
-}
-
-fn pose7(p: Vector3<f64>, [x, y, z, w]: [f64; 4]) -> Pose7 {
-    [p.x, p.y, p.z, x, y, z, w]
-}
-
-/// A vector of the x–z plane turned by `angle` about y.
-fn turned(v: Vector3<f64>, angle: f64) -> Vector3<f64> {
-    xz(
-        angle.cos() * v.x + angle.sin() * v.z,
-        -angle.sin() * v.x + angle.cos() * v.z,
-    )
-}
-
-/// ω ŷ × r
-fn spin(omega: f64, r: Vector3<f64>) -> Vector3<f64> {
-    xz(omega * r.z, -omega * r.x)
-}
-
-/// y component of r × f
-fn moment(r: Vector3<f64>, f: Vector3<f64>) -> f64 {
-    r.z * f.x - r.x * f.z
-}
-
-/// Height of the base, angles of shoulder and wrist; or their rates.
-type Coordinates = [f64; 3];
-
-/// A point with its velocity and acceleration.
-#[derive(Clone, Copy)]
-struct Point {
-    p: Vector3<f64>,
-    v: Vector3<f64>,
-    a: Vector3<f64>,
-}
-
-impl Point {
-    /// The point `r` further along a rod at `angle` that turns with `rate` and `accel`.
-    fn along(self, r: Vector3<f64>, [angle, rate, accel]: [f64; 3]) -> Self {
-        let r = turned(r, angle);
-        let v = spin(rate, r);
-        Self {
-            p: self.p + r,
-            v: self.v + v,
-            a: self.a + spin(accel, r) + spin(rate, v),
-        }
-    }
-}
-
-struct Body {
-    mass: f64,
-    inertia: f64,
-    at: Point,
-    rate: f64,
-    accel: f64,
-}
-
-impl Body {
-    /// Force that moves it so against gravity.
-    fn force(&self) -> Vector3<f64> {
-        (self.at.a + xz(0.0, G)) * self.mass
-    }
-
-    /// Moment about `point` that moves it so.
-    fn moment_about(&self, point: Vector3<f64>) -> f64 {
-        self.inertia * self.accel + moment(self.at.p - point, self.force())
-    }
-}
-
-/// The robot at one node.
-struct Snapshot {
-    bodies: [Body; 6],
-    shoulder: Vector3<f64>,
-    wrist: Vector3<f64>,
-    palm: Vector3<f64>,
-    stick_tip: Vector3<f64>,
-}
-
-impl Snapshot {
-    fn new(x: Coordinates, v: Coordinates, a: Coordinates) -> Self {
-        let fixed = |p| Point {
-            p,
-            v: Vector3::zeros(),
-            a: Vector3::zeros(),
-        };
-        let base = Point {
-            p: xz(0.0, x[0]),
-            v: xz(0.0, v[0]),
-            a: xz(0.0, a[0]),
-        };
-        let upright = [0.0; 3];
-        let arm_turn = [x[1], v[1], a[1]];
-        let hand_turn = [x[1] + x[2], v[1] + v[2], a[1] + a[2]];
-        let shoulder = base.along(xz(0.12, 0.1), upright);
-        let wrist = shoulder.along(xz(0.3, 0.0), arm_turn);
-        let body = |mass, inertia, at, [_, rate, accel]: [f64; 3]| Body {
-            mass,
-            inertia,
-            at,
-            rate,
-            accel,
-        };
-        // The legs stand: their joints follow the base. Their lateral places cancel.
-        let leg = || body(1.5, 0.02, fixed(xz(0.0, 0.1)), upright);
-        let bodies = [
-            body(10.0, 0.10, base, upright),
-            leg(),
-            leg(),
-            body(0.2, 0.003, base.along(xz(-0.28, 0.0), upright), upright),
-            body(
-                1.0,
-                0.008,
-                shoulder.along(xz(0.15, 0.0), arm_turn),
-                arm_turn,
-            ),
-            body(
-                0.4,
-                0.0006,
-                wrist.along(xz(0.05, 0.0), hand_turn),
-                hand_turn,
-            ),
-        ];
-        let palm = wrist.along(xz(0.08, -0.03), hand_turn).p;
-        let stick_tip = base.p + xz(-0.48, -0.015);
-        Self {
-            bodies,
-            shoulder: shoulder.p,
-            wrist: wrist.p,
-            palm,
-            stick_tip,
-        }
-    }
-
-    fn mass(&self) -> f64 {
-        self.bodies.iter().map(|b| b.mass).sum()
-    }
-
-    fn com(&self) -> Vector3<f64> {
-        self.bodies
-            .iter()
-            .map(|b| b.at.p * b.mass)
-            .sum::<Vector3<f64>>()
-            / self.mass()
-    }
-
-    /// Linear momentum and angular momentum about the centre of mass.
-    fn momentum(&self) -> (Vector3<f64>, f64) {
-        let com = self.com();
-        let linear = self.bodies.iter().map(|b| b.at.v * b.mass).sum();
-        let angular = self
-            .bodies
-            .iter()
-            .map(|b| b.inertia * b.rate + moment(b.at.p - com, b.at.v * b.mass))
-            .sum();
-        (linear, angular)
-    }
-}
-
-/// A wrench in the plane: force, and moment about y.
-#[derive(Clone, Copy)]
-struct Planar(Vector3<f64>, f64);
-
-impl Planar {
-    fn row(self) -> Row6 {
-        [self.0.x, self.0.y, self.0.z, 0.0, self.1, 0.0]
-    }
-}
 
 /// Which plan to build.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -377,44 +205,40 @@ impl Builder {
         (foot, [slide, slide, shoulder, wrist])
     }
 
-    fn plan(&self, task: &str) -> Plan {
-        let n = self.n();
-        let lifting = self.steps.len() > 1;
-        let mut tau = Vec::new();
-        let [mut feet, mut palms, mut sticks, mut bottoms] = [(); 4].map(|()| Vec::new());
-        for t in 0..n {
+    fn lifting(&self) -> bool {
+        self.steps.len() > 1
+    }
+
+    /// Wrenches of all contacts and joint forces, over time.
+    fn all_loads(&self) -> AllLoads {
+        let mut all = AllLoads::default();
+        for t in 0..self.n() {
             let Planar(force, torque) = self.box_load(t);
             let centre_to_palm = self.box_pose[t].rotate(xz(0.0, BOX_HALF));
-            let held = t >= self.steps[0];
             let zero = Planar(Vector3::zeros(), 0.0);
+            let held = t >= self.steps[0];
             let palm = if held {
                 Planar(-force, -(torque - moment(centre_to_palm, force)))
             } else {
                 zero
             };
-            let stick = if lifting {
+            let stick = if self.lifting() {
                 zero
             } else {
                 Planar(self.lean, 0.0)
             };
             let (foot, joints) = self.loads(t, palm, stick);
-            feet.push(foot.row());
-            palms.push(palm.row());
-            sticks.push(stick.row());
-            bottoms.push(Planar(force, torque).row());
-            tau.push(joints.to_vec());
+            all.feet.push(foot.row());
+            all.palm.push(palm.row());
+            all.stick.push(stick.row());
+            all.bottom.push(Planar(force, torque).row());
+            all.tau.push(joints.to_vec());
         }
-        let start = self.snapshot(0);
-        let contact = |a: &str, b: &str, kind, wrench: &[Row6]| Contact {
-            a: a.into(),
-            b: b.into(),
-            kind,
-            mu: 0.7,
-            mu_r: 0.02,
-            overhang: false,
-            wrench: wrench.to_vec(),
-            extra: Extra::new(),
-        };
+        all
+    }
+
+    fn phases(&self, loads: &AllLoads) -> Vec<Phase> {
+        let (unilateral, bilateral) = (ContactType::UnilateralPatch, ContactType::BilateralPatch);
         let mut phases = Vec::new();
         let mut first = 0;
         for (k, steps) in self.steps.iter().enumerate() {
@@ -424,28 +248,33 @@ impl Builder {
                 contact(
                     "left_foot",
                     "ground_top",
-                    ContactType::UnilateralPatch,
-                    &feet[s.clone()],
+                    unilateral,
+                    &loads.feet[s.clone()],
                 ),
                 contact(
                     "right_foot",
                     "ground_top",
-                    ContactType::UnilateralPatch,
-                    &feet[s.clone()],
+                    unilateral,
+                    &loads.feet[s.clone()],
                 ),
             ];
             if k == 0 {
                 contacts.push(contact(
                     "box_bottom",
                     "table_top",
-                    ContactType::UnilateralPatch,
-                    &bottoms[s.clone()],
+                    unilateral,
+                    &loads.bottom[s.clone()],
                 ));
             }
-            contacts.push(if lifting {
-                contact("palm", "box_top", ContactType::BilateralPatch, &palms[s])
+            contacts.push(if self.lifting() {
+                contact("palm", "box_top", bilateral, &loads.palm[s])
             } else {
-                contact("tip", "shelf_top", ContactType::UnilateralPoint, &sticks[s])
+                contact(
+                    "tip",
+                    "shelf_top",
+                    ContactType::UnilateralPoint,
+                    &loads.stick[s],
+                )
             });
             let action = ["start", "lift box"][k].to_owned();
             phases.push(Phase {
@@ -456,11 +285,18 @@ impl Builder {
                 extra: Extra::new(),
             });
         }
+        phases
+    }
+
+    fn plan(&self, task: &str) -> Plan {
+        let n = self.n();
+        let loads = self.all_loads();
+        let start = self.snapshot(0);
         let momentum = |t: usize| {
             let (linear, angular) = self.snapshot(t).momentum();
             Planar(linear, angular).row()
         };
-        let vector = |x: Coordinates| vec![0.0, 0.0, x[0], 0.0, 0.0, 0.0, x[0], x[0], x[1], x[2]];
+        let vector = |x: &Coordinates| vec![0.0, 0.0, x[0], 0.0, 0.0, 0.0, x[0], x[0], x[1], x[2]];
         let configuration = |x: &Coordinates| {
             let leg = x[0] - BASE_HEIGHT;
             let base = pose7(xz(0.0, x[0]), NO_TURN);
@@ -472,7 +308,7 @@ impl Builder {
             accel: self.box_accel.clone(),
             extra: Extra::new(),
         };
-        let goal = if lifting {
+        let goal = if self.lifting() {
             ("palm", "box_top")
         } else {
             ("box_bottom", "table_top")
@@ -487,43 +323,50 @@ impl Builder {
             gravity: [0.0, 0.0, -G],
             integrator: self.recipe.integrator,
             dynamics: self.recipe.dynamics,
-            robot: Robot {
-                name: "toy".into(),
-                urdf: URDF.into(),
-                joints: ["left_slide", "right_slide", "shoulder", "wrist"]
-                    .map(String::from)
-                    .to_vec(),
-                torque_limits: Some(vec![Some(200.0), Some(200.0), Some(30.0), Some(10.0)]),
-                extra: Extra::new(),
-            },
-            objects: vec![Object {
-                name: "box".into(),
-                mass: BOX_MASS,
-                inertia: [BOX_INERTIA, BOX_INERTIA, BOX_INERTIA, 0.0, 0.0, 0.0],
-                geometry: vec![Geometry::cuboid(
-                    [BOX_HALF; 3],
-                    pose7(Vector3::zeros(), NO_TURN),
-                )],
-                extra: Extra::new(),
-            }],
-            environment: environment(&start),
-            interfaces: interfaces(&start),
+            robot: scene::robot(),
+            objects: vec![scene::object()],
+            environment: scene::environment(&start),
+            interfaces: scene::interfaces(&start),
             goal: vec![GoalContact {
                 a: goal.0.into(),
                 b: goal.1.into(),
                 extra: Extra::new(),
             }],
             goal_regions: Vec::new(),
-            phases,
+            phases: self.phases(&loads),
             time: (0..=n).map(|t| t as f64 * DT).collect(),
             q: self.x.iter().map(configuration).collect(),
-            v: self.v.iter().map(|v| vector(*v)).collect(),
+            v: self.v.iter().map(vector).collect(),
             h: (0..=n).map(momentum).collect(),
-            a: self.a.iter().map(|a| vector(*a)).collect(),
-            tau,
+            a: self.a.iter().map(vector).collect(),
+            tau: loads.tau,
             object_states: [("box".to_owned(), states)].into(),
             extra: Extra::new(),
         }
+    }
+}
+
+/// Wrenches by contact, and joint forces; one row per interval.
+#[derive(Default)]
+struct AllLoads {
+    feet: Vec<Row6>,
+    palm: Vec<Row6>,
+    stick: Vec<Row6>,
+    bottom: Vec<Row6>,
+    tau: Vec<Vec<f64>>,
+}
+
+fn contact(a: &str, b: &str, kind: ContactType, wrench: &[Row6]) -> Contact {
+    let wrench = wrench.to_vec();
+    Contact {
+        a: a.into(),
+        b: b.into(),
+        kind,
+        mu: 0.7,
+        mu_r: 0.02,
+        overhang: false,
+        wrench,
+        extra: Extra::new(),
     }
 }
 
@@ -535,107 +378,4 @@ fn box_under_palm(x: Coordinates) -> Pose {
         exp_so3(&(Vector3::y() * angle)),
         palm + turned(xz(0.0, -BOX_HALF), angle),
     )
-}
-
-fn environment(start: &Snapshot) -> Vec<StaticBody> {
-    let block = |name: &str, top: Vector3<f64>, half: f64| StaticBody {
-        name: name.into(),
-        geometry: vec![Geometry::cuboid(
-            [half, half, 0.02],
-            pose7(top - xz(0.0, 0.02), NO_TURN),
-        )],
-        extra: Extra::new(),
-    };
-    let ground = Geometry::half_space(pose7(Vector3::zeros(), NO_TURN));
-    vec![
-        StaticBody {
-            name: "ground".into(),
-            geometry: vec![ground],
-            extra: Extra::new(),
-        },
-        block("table", start.palm - xz(0.0, 2.0 * BOX_HALF), 0.08),
-        block("shelf", start.stick_tip, 0.05),
-    ]
-}
-
-fn interfaces(start: &Snapshot) -> Vec<Interface> {
-    let interface =
-        |name: &str, body: &str, at: Vector3<f64>, turn, kind, half: Option<[f64; 2]>| Interface {
-            name: name.into(),
-            body: body.into(),
-            pose: pose7(at, turn),
-            kind,
-            half_size: half.map(|half| half.map(Some)),
-            limb: None,
-            extra: Extra::new(),
-        };
-    let (patch, point) = (InterfaceKind::Patch, InterfaceKind::Point);
-    let sole = Some([0.12, 0.04]);
-    vec![
-        interface(
-            "left_foot",
-            "left_leg",
-            SOLE_IN_LEG.into(),
-            UPSIDE_DOWN,
-            patch,
-            sole,
-        ),
-        interface(
-            "right_foot",
-            "right_leg",
-            SOLE_IN_LEG.into(),
-            UPSIDE_DOWN,
-            patch,
-            sole,
-        ),
-        interface(
-            "palm",
-            "hand",
-            xz(0.08, -0.03),
-            UPSIDE_DOWN,
-            patch,
-            Some([0.02, 0.02]),
-        ),
-        interface("tip", "stick", xz(-0.4, -0.015), UPSIDE_DOWN, point, None),
-        interface(
-            "box_bottom",
-            "box",
-            xz(0.0, -BOX_HALF),
-            UPSIDE_DOWN,
-            patch,
-            Some([BOX_HALF; 2]),
-        ),
-        interface(
-            "box_top",
-            "box",
-            xz(0.0, BOX_HALF),
-            NO_TURN,
-            patch,
-            Some([BOX_HALF; 2]),
-        ),
-        interface(
-            "ground_top",
-            "ground",
-            Vector3::zeros(),
-            NO_TURN,
-            patch,
-            None,
-        ),
-        interface(
-            "table_top",
-            "table",
-            start.palm - xz(0.0, 2.0 * BOX_HALF),
-            NO_TURN,
-            patch,
-            Some([0.08; 2]),
-        ),
-        interface(
-            "shelf_top",
-            "shelf",
-            start.stick_tip,
-            NO_TURN,
-            patch,
-            Some([0.05; 2]),
-        ),
-    ]
 }
