@@ -6,7 +6,7 @@
 //! about the world origin. Derivation: `docs/math/dynamics.md`, section 4.
 
 use crate::centroidal::total_com;
-use crate::path::{LANES, Path, add_angular_products, add_products};
+use crate::path::{LANES, Path, angular_products, plus, products};
 use crate::rnea::{NAN_TWIST, NAN_VECTOR, NAN_WRENCH};
 use crate::world_inertia::WorldInertia;
 use crate::{Kinematics, Model};
@@ -246,13 +246,15 @@ impl CentroidalDerivatives {
         );
         let blocks = self.path.blocks(ancestors.len());
         for ([chi, psi_dot, column], indices) in blocks.iter().zip(ancestors.chunks(LANES)) {
-            let mut sums = [[0.0; LANES]; 3];
-            let [qq_sum, qv_upper, qv_lower] = &mut sums;
-            add_products(qq_sum, chi, &side.q_by_weight);
-            add_products(qq_sum, psi_dot, &side.by_velocity);
-            add_angular_products(qq_sum, column, &side.turned_com);
-            add_products(qv_upper, chi, &side.v_by_weight);
-            add_products(qv_lower, column, &side.by_velocity);
+            let qq_sum = plus(
+                plus(
+                    products(chi, &side.q_by_weight),
+                    products(psi_dot, &side.by_velocity),
+                ),
+                angular_products(column, &side.turned_com),
+            );
+            let qv_upper = products(chi, &side.v_by_weight);
+            let qv_lower = products(column, &side.by_velocity);
             for (lane, &l) in indices.iter().enumerate() {
                 qq[l + k * nv] += qq_sum[lane];
                 qq[k + l * nv] += qq_sum[lane];

@@ -3,7 +3,7 @@
 //! Frames: world axes, world origin. M_jk = S_j · I_k S_k for j an ancestor of k (or k itself), I_k the inertia of the
 //! subtree behind k. Source: Featherstone, *Rigid Body Dynamics Algorithms*, section 6.2.
 
-use crate::path::{LANES, Path, add_products};
+use crate::path::{LANES, Path, products};
 use crate::world_inertia::WorldInertia;
 use crate::{Kinematics, Model};
 use nalgebra::DMatrix;
@@ -43,9 +43,7 @@ impl Crba {
                 for ([block], indices) in
                     self.path.blocks(upto.len()).iter().zip(upto.chunks(LANES))
                 {
-                    let mut products = [0.0; LANES];
-                    add_products(&mut products, block, &momentum);
-                    for (&j, x) in indices.iter().zip(products) {
+                    for (&j, x) in indices.iter().zip(products(block, &momentum)) {
                         matrix[j + k * nv] = x;
                         matrix[k + j * nv] = x;
                     }

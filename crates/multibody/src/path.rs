@@ -4,6 +4,7 @@
 //! brother left behind. Components lie in blocks of four positions, so that products with four ancestors are one pass.
 
 use crate::Model;
+use nalgebra::Vector3;
 use spatial::{Twist, Wrench};
 
 /// Positions in one block.
@@ -46,27 +47,43 @@ impl<const N: usize> Path<N> {
     }
 }
 
-/// Adds the products of the vectors of a block with one wrench.
+/// Products of the vectors of a block with one wrench.
 #[inline]
-pub(crate) fn add_products(sums: &mut [f64; LANES], block: &Block, wrench: &Wrench) {
+pub(crate) fn products(block: &Block, wrench: &Wrench) -> [f64; LANES] {
     let (f, n) = (&wrench.linear, &wrench.angular);
-    for (row, x) in block.iter().zip([f.x, f.y, f.z, n.x, n.y, n.z]) {
-        for (sum, y) in sums.iter_mut().zip(row) {
-            *sum += x * y;
-        }
-    }
+    let force = plus_scaled(
+        plus_scaled(scaled(&block[0], f.x), &block[1], f.y),
+        &block[2],
+        f.z,
+    );
+    plus(force, angular_products(block, n))
 }
 
-/// Adds the products of the angular parts of a block with one moment.
+/// Products of the angular parts of a block with one moment.
 #[inline]
-pub(crate) fn add_angular_products(
-    sums: &mut [f64; LANES],
-    block: &Block,
-    moment: &nalgebra::Vector3<f64>,
-) {
-    for (row, x) in block[3..].iter().zip([moment.x, moment.y, moment.z]) {
-        for (sum, y) in sums.iter_mut().zip(row) {
-            *sum += x * y;
-        }
-    }
+pub(crate) fn angular_products(block: &Block, moment: &Vector3<f64>) -> [f64; LANES] {
+    let first = scaled(&block[3], moment.x);
+    plus_scaled(plus_scaled(first, &block[4], moment.y), &block[5], moment.z)
+}
+
+// Written out lane by lane, so that the compiler makes vector instructions of them.
+
+#[inline]
+fn scaled(row: &[f64; LANES], x: f64) -> [f64; LANES] {
+    [x * row[0], x * row[1], x * row[2], x * row[3]]
+}
+
+#[inline]
+fn plus_scaled(sum: [f64; LANES], row: &[f64; LANES], x: f64) -> [f64; LANES] {
+    [
+        sum[0] + x * row[0],
+        sum[1] + x * row[1],
+        sum[2] + x * row[2],
+        sum[3] + x * row[3],
+    ]
+}
+
+#[inline]
+pub(crate) fn plus(a: [f64; LANES], b: [f64; LANES]) -> [f64; LANES] {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]]
 }

@@ -8,12 +8,11 @@
 //! Same result as Carpentier, Mansard, *Analytical derivatives of rigid body dynamics algorithms* (RSS 2018).
 
 use crate::crba::branch_pattern;
-use crate::path::{LANES, Path, add_angular_products, add_products};
+use crate::path::{Block, LANES, Path, angular_products, plus, products};
 use crate::subtree::{Directions, Subtree};
-use crate::world_inertia::Gyration;
 use crate::{Kinematics, Model};
 use nalgebra::{DMatrix, Vector3};
-use spatial::{Twist, Wrench};
+use spatial::Wrench;
 
 /// Workspace for the derivatives of inverse dynamics.
 #[derive(Debug, Clone)]
@@ -21,31 +20,38 @@ pub struct RneaDerivatives {
     subtree: Subtree,
     /// ψ̈, ψ̇, σ, S of the indices from the root to the current joint.
     path: Path<4>,
-    tau: Vec<f64>,
-    dtau_dq: DMatrix<f64>,
-    dtau_dv: DMatrix<f64>,
-    dtau_da: DMatrix<f64>,
+    first: FirstDerivatives,
 }
 
-/// What the pairs of one index with its ancestors need.
-struct Side {
-    inertia_column: Wrench,
-    gyration_column: Vector3<f64>,
-    by_position: Wrench,
-    by_velocity: Wrench,
+/// τ and its first derivatives, written index by index.
+#[derive(Debug, Clone)]
+pub(crate) struct FirstDerivatives {
+    pub tau: Vec<f64>,
+    pub dtau_dq: DMatrix<f64>,
+    pub dtau_dv: DMatrix<f64>,
+    pub dtau_da: DMatrix<f64>,
+}
+
+/// What the pairs of one index with its ancestors need: products with the sums of the subtree behind it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct FirstSide {
+    /// I S
+    pub inertia_column: Wrench,
+    /// Bᵀ S, angular part.
+    pub gyration_column: Vector3<f64>,
+    /// S ×* F + I ψ̈ + B ψ̇
+    pub by_position: Wrench,
+    /// I σ + B S
+    pub by_velocity: Wrench,
 }
 
 impl RneaDerivatives {
     /// Room for a model; entries that depend on the state are NaN, those of different branches zero for good.
     pub fn new(model: &Model) -> Self {
-        let pattern = branch_pattern(model);
         Self {
             subtree: Subtree::new(model),
             path: Path::new(model),
-            tau: vec![f64::NAN; model.nv],
-            dtau_dq: pattern.clone(),
-            dtau_dv: pattern.clone(),
-            dtau_da: pattern,
+            first: FirstDerivatives::new(model),
         }
     }
 
@@ -56,110 +62,134 @@ impl RneaDerivatives {
     pub fn compute(&mut self, model: &Model, kinematics: &Kinematics, v: &[f64], a: &[f64]) {
         self.subtree.compute(model, kinematics, v, a);
         for (i, joint) in model.joints.iter().enumerate() {
-            let depth = model.supports[i].len() - joint.kind.nv();
-            for (c, k) in (joint.idx_v..joint.idx_v + joint.kind.nv()).enumerate() {
-                let side = self.side(i, k);
-                self.tau[k] = self.subtree.force[i].power(&self.subtree.directions[k].column);
-                self.pairs_with_ancestors(model.nv, &model.supports[i][..depth], k, &side);
-                for j in joint.idx_v..joint.idx_v + joint.kind.nv() {
-                    self.pair_in_joint(k, j, &side);
-                }
+            let (support, own) = (
+                &model.supports[i],
+                joint.idx_v..joint.idx_v + joint.kind.nv(),
+            );
+            let depth = support.len() - own.len();
+            for k in own.clone() {
                 let Directions {
                     psi_dot,
                     psi_ddot,
                     sigma,
                     column,
                 } = &self.subtree.directions[k];
-                self.path.set(depth + c, [psi_ddot, psi_dot, sigma, column]);
+                self.path
+                    .set(depth + k - own.start, [psi_ddot, psi_dot, sigma, column]);
+            }
+            for k in own.clone() {
+                let side = self.subtree.first_side(i, k);
+                self.first.tau[k] = self.subtree.force[i].power(&self.subtree.directions[k].column);
+                let blocks = self
+                    .path
+                    .blocks(support.len())
+                    .iter()
+                    .zip(support.chunks(LANES));
+                for ([psi_ddot, psi_dot, sigma, column], indices) in blocks {
+                    self.first.write(
+                        [psi_ddot, psi_dot, sigma, column],
+                        indices,
+                        own.start,
+                        k,
+                        &side,
+                    );
+                }
             }
         }
     }
 
+    /// τ = ID(q, v, a), length nv.
+    pub fn tau(&self) -> &[f64] {
+        &self.first.tau
+    }
+
+    /// ∂τ/∂q by body increments, nv×nv.
+    pub fn dtau_dq(&self) -> &DMatrix<f64> {
+        &self.first.dtau_dq
+    }
+
+    /// ∂τ/∂v, nv×nv.
+    pub fn dtau_dv(&self) -> &DMatrix<f64> {
+        &self.first.dtau_dv
+    }
+
+    /// ∂τ/∂a = M(q), nv×nv, both triangles.
+    pub fn dtau_da(&self) -> &DMatrix<f64> {
+        &self.first.dtau_da
+    }
+}
+
+impl FirstDerivatives {
+    pub fn new(model: &Model) -> Self {
+        let pattern = branch_pattern(model);
+        let tau = vec![f64::NAN; model.nv];
+        Self {
+            tau,
+            dtau_dq: pattern.clone(),
+            dtau_dv: pattern.clone(),
+            dtau_da: pattern,
+        }
+    }
+
+    /// Rows and columns of index k against one block of its support; `first_own` is the first index of its joint.
+    ///
+    /// Within a joint the columns move along with S_k and the turned force cancels: those pairs have the lower formula
+    /// for all orders.
     #[inline]
-    fn side(&self, i: usize, k: usize) -> Side {
+    pub fn write(
+        &mut self,
+        [psi_ddot, psi_dot, sigma, column]: [&Block; 4],
+        indices: &[usize],
+        first_own: usize,
+        k: usize,
+        side: &FirstSide,
+    ) {
+        let q_upper = products(column, &side.by_position);
+        let v_upper = products(column, &side.by_velocity);
+        let mass = products(column, &side.inertia_column);
+        let q_lower = plus(
+            products(psi_ddot, &side.inertia_column),
+            angular_products(psi_dot, &side.gyration_column),
+        );
+        let v_lower = plus(
+            products(sigma, &side.inertia_column),
+            angular_products(column, &side.gyration_column),
+        );
+        let nv = self.tau.len();
+        let (dq, dv) = (self.dtau_dq.as_mut_slice(), self.dtau_dv.as_mut_slice());
+        let da = self.dtau_da.as_mut_slice();
+        for (lane, &j) in indices.iter().enumerate() {
+            let (upper, lower) = (j + k * nv, k + j * nv);
+            dq[lower] = q_lower[lane];
+            dv[lower] = v_lower[lane];
+            da[lower] = mass[lane];
+            if j < first_own {
+                dq[upper] = q_upper[lane];
+                dv[upper] = v_upper[lane];
+                da[upper] = mass[lane];
+            }
+        }
+    }
+}
+
+impl Subtree {
+    #[inline]
+    pub fn first_side(&self, i: usize, k: usize) -> FirstSide {
         let Directions {
             psi_dot,
             psi_ddot,
             sigma,
             column,
-        } = &self.subtree.directions[k];
-        let inertia = &self.subtree.inertia[i];
-        let gyration = Gyration {
-            momentum: &self.subtree.momentum[i],
-            rate: &self.subtree.rate[i],
-        };
-        let turned_force = column.cross_wrench(&self.subtree.force[i]);
-        Side {
+        } = &self.directions[k];
+        let inertia = &self.inertia[i];
+        let gyration = self.gyration(i);
+        let turned_force = column.cross_wrench(&self.force[i]);
+        FirstSide {
             inertia_column: inertia.apply(column),
             gyration_column: gyration.transposed(column),
             by_position: turned_force + inertia.apply(psi_ddot) + gyration.apply(psi_dot),
             by_velocity: inertia.apply(sigma) + gyration.apply(column),
         }
-    }
-
-    #[inline]
-    fn pairs_with_ancestors(&mut self, nv: usize, ancestors: &[usize], k: usize, side: &Side) {
-        let dq = self.dtau_dq.as_mut_slice();
-        let dv = self.dtau_dv.as_mut_slice();
-        let da = self.dtau_da.as_mut_slice();
-        let blocks = self.path.blocks(ancestors.len());
-        for ([psi_ddot, psi_dot, sigma, column], indices) in
-            blocks.iter().zip(ancestors.chunks(LANES))
-        {
-            let mut sums = [[0.0; LANES]; 5];
-            let [q_upper, q_lower, v_upper, v_lower, mass] = &mut sums;
-            add_products(q_upper, column, &side.by_position);
-            add_products(v_upper, column, &side.by_velocity);
-            add_products(mass, column, &side.inertia_column);
-            add_products(q_lower, psi_ddot, &side.inertia_column);
-            add_angular_products(q_lower, psi_dot, &side.gyration_column);
-            add_products(v_lower, sigma, &side.inertia_column);
-            add_angular_products(v_lower, column, &side.gyration_column);
-            for (lane, &j) in indices.iter().enumerate() {
-                let (upper, lower) = (j + k * nv, k + j * nv);
-                dq[upper] = q_upper[lane];
-                dq[lower] = q_lower[lane];
-                dv[upper] = v_upper[lane];
-                dv[lower] = v_lower[lane];
-                da[upper] = mass[lane];
-                da[lower] = mass[lane];
-            }
-        }
-    }
-
-    /// Row k, column j of one joint: the column moves along with S_k, so the turned force cancels.
-    #[inline]
-    fn pair_in_joint(&mut self, k: usize, j: usize, side: &Side) {
-        let Directions {
-            psi_dot,
-            psi_ddot,
-            sigma,
-            column,
-        } = &self.subtree.directions[j];
-        let gyration = |psi: &Twist| side.gyration_column.dot(&psi.angular);
-        self.dtau_dq[(k, j)] = side.inertia_column.power(psi_ddot) + gyration(psi_dot);
-        self.dtau_dv[(k, j)] = side.inertia_column.power(sigma) + gyration(column);
-        self.dtau_da[(k, j)] = side.inertia_column.power(column);
-    }
-
-    /// τ = ID(q, v, a), length nv.
-    pub fn tau(&self) -> &[f64] {
-        &self.tau
-    }
-
-    /// ∂τ/∂q by body increments, nv×nv.
-    pub fn dtau_dq(&self) -> &DMatrix<f64> {
-        &self.dtau_dq
-    }
-
-    /// ∂τ/∂v, nv×nv.
-    pub fn dtau_dv(&self) -> &DMatrix<f64> {
-        &self.dtau_dv
-    }
-
-    /// ∂τ/∂a = M(q), nv×nv, both triangles.
-    pub fn dtau_da(&self) -> &DMatrix<f64> {
-        &self.dtau_da
     }
 }
 

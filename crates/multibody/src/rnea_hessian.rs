@@ -1,4 +1,5 @@
-//! Second derivatives of inverse dynamics, contracted with a weight: the Hessian of L(q, v, a) = wᵀ ID(q, v, a).
+//! Second derivatives of inverse dynamics, contracted with a weight: the Hessian of L(q, v, a) = wᵀ ID(q, v, a), with the
+//! values and first derivatives of ID on the way.
 //!
 //! Frames: world axes, world origin. Derivation: `docs/math/dynamics.md`, section 3. With W the velocity field that `w`
 //! would generate, L = Σ_i W_i · f_i. An increment of an ancestor l turns the whole subtree with S_l, which changes no
@@ -8,8 +9,9 @@
 //! Base columns do not commute; the exponential chart q ⊕ δ takes the mean of both orders.
 
 use crate::crba::branch_pattern;
-use crate::path::{LANES, Path, add_products};
+use crate::path::{LANES, Path, plus, products};
 use crate::rnea::{NAN_TWIST, NAN_VECTOR, NAN_WRENCH};
+use crate::rnea_derivatives::FirstDerivatives;
 use crate::subtree::{Directions, Subtree};
 use crate::symmetric3::Symmetric3;
 use crate::world_inertia::Gyration;
@@ -31,9 +33,9 @@ pub struct RneaHessian {
     weight_rate: Vec<Symmetric3>,
     /// Σ BᵀW per joint; its linear part is zero.
     weight_gyration: Vec<Vector3<f64>>,
-    /// ψ̈, χ, ψ̇, S, σ of the indices from the root to the current joint.
+    /// ψ̈, ψ̇, σ, S, χ of the indices from the root to the current joint.
     path: Path<5>,
-    sides: Vec<Side>,
+    first: FirstDerivatives,
     value: f64,
     gradient_q: Vec<f64>,
     gradient_v: Vec<f64>,
@@ -44,31 +46,17 @@ pub struct RneaHessian {
     hessian_qa: DMatrix<f64>,
 }
 
-/// How the gradient of one index answers to what its ancestors do.
+/// How the gradient of one index answers to what its ancestors do. The answers to y are those of [`FirstSide`]:
+/// of ∂L/∂q `by_position`, of ∂L/∂v `by_velocity`, of ∂L/∂a `inertia_column`.
 #[derive(Debug, Clone, Copy)]
 struct Side {
     /// Of ∂L/∂q to z.
     q_by_acceleration: Wrench,
-    /// Of ∂L/∂q to y.
-    q_by_weight: Wrench,
     /// Of ∂L/∂q to x.
     q_by_velocity: Wrench,
-    /// Of ∂L/∂v to y.
-    v_by_weight: Wrench,
     /// Of ∂L/∂v to x.
     v_by_velocity: Wrench,
-    /// Of ∂L/∂a to y.
-    a_by_weight: Wrench,
 }
-
-const NAN_SIDE: Side = Side {
-    q_by_acceleration: NAN_WRENCH,
-    q_by_weight: NAN_WRENCH,
-    q_by_velocity: NAN_WRENCH,
-    v_by_weight: NAN_WRENCH,
-    v_by_velocity: NAN_WRENCH,
-    a_by_weight: NAN_WRENCH,
-};
 
 impl RneaHessian {
     /// Room for a model; entries that depend on the state are NaN, those of different branches zero for good.
@@ -84,7 +72,7 @@ impl RneaHessian {
             weight_rate: vec![Symmetric3::NAN; n],
             weight_gyration: vec![NAN_VECTOR; n],
             path: Path::new(model),
-            sides: vec![NAN_SIDE; nv],
+            first: FirstDerivatives::new(model),
             value: f64::NAN,
             gradient_q: gradient.clone(),
             gradient_v: gradient.clone(),
@@ -96,7 +84,7 @@ impl RneaHessian {
         }
     }
 
-    /// Evaluates L = wᵀ ID(q, v, a) with gradient and Hessian; q through the kinematics. No allocation.
+    /// Evaluates τ, its first derivatives, and L = wᵀτ with gradient and Hessian; q through the kinematics. No allocation.
     ///
     /// # Panics
     /// If `v`, `a` or `w` is shorter than nv.
@@ -110,26 +98,36 @@ impl RneaHessian {
     ) {
         self.sweep(model, kinematics, v, a, w);
         for (i, joint) in model.joints.iter().enumerate() {
-            let depth = model.supports[i].len() - joint.kind.nv();
-            for k in joint.idx_v..joint.idx_v + joint.kind.nv() {
-                self.sides[k] = self.side(i, k);
-                self.pairs_with_ancestors(model.nv, &model.supports[i][..depth], k);
-            }
-            self.pairs_in_joint(joint.idx_v, joint.kind.nv());
-            for (c, k) in (joint.idx_v..joint.idx_v + joint.kind.nv()).enumerate() {
+            let (support, own) = (
+                &model.supports[i],
+                joint.idx_v..joint.idx_v + joint.kind.nv(),
+            );
+            let depth = support.len() - own.len();
+            for k in own.clone() {
                 let Directions {
                     psi_dot,
                     psi_ddot,
                     sigma,
                     column,
                 } = &self.subtree.directions[k];
-                self.path
-                    .set(depth + c, [psi_ddot, &self.chi[k], psi_dot, column, sigma]);
+                self.path.set(
+                    depth + k - own.start,
+                    [psi_ddot, psi_dot, sigma, column, &self.chi[k]],
+                );
+            }
+            for k in own.clone() {
+                self.pairs(model, i, k);
+            }
+            for k in own.clone() {
+                for l in own.start..k {
+                    take_mean(&mut self.hessian_qq, l, k);
+                    take_mean(&mut self.hessian_vv, l, k);
+                }
             }
         }
     }
 
-    /// L and its gradient alone, about a third of the work of [`RneaHessian::compute`]; the Hessians keep their old values.
+    /// L and its gradient alone, a fifth of the work of [`RneaHessian::compute`]; all matrices keep their old values.
     ///
     /// # Panics
     /// If `v`, `a` or `w` is shorter than nv.
@@ -158,10 +156,7 @@ impl RneaHessian {
                 weight += column * w[k];
             }
             let inertia = &self.subtree.inertia[i];
-            let gyration = Gyration {
-                momentum: &self.subtree.momentum[i],
-                rate: &self.subtree.rate[i],
-            };
+            let gyration = self.subtree.gyration(i);
             self.weight[i] = weight;
             self.weight_momentum[i] = inertia.apply(&weight);
             self.weight_rate[i] = inertia.rate(&weight);
@@ -202,106 +197,107 @@ impl RneaHessian {
     #[inline]
     fn side(&self, i: usize, k: usize) -> Side {
         let Directions {
-            psi_dot,
-            psi_ddot,
-            sigma,
-            column,
+            psi_dot, column, ..
         } = &self.subtree.directions[k];
-        let (chi, inertia) = (&self.chi[k], &self.subtree.inertia[i]);
-        let gyration = Gyration {
-            momentum: &self.subtree.momentum[i],
-            rate: &self.subtree.rate[i],
-        };
+        let chi = &self.chi[k];
+        let momentum = &self.weight_momentum[i];
         let of_weight = Gyration {
-            momentum: &self.weight_momentum[i],
+            momentum,
             rate: &self.weight_rate[i],
         };
-        let turned_weight = column.cross_wrench(&self.weight_momentum[i]);
-        let turned_gyration =
-            column.angular.cross(&self.weight_gyration[i]) + gyration.transposed(chi);
-        let moment = Wrench {
-            linear: Vector3::zeros(),
-            angular: turned_gyration,
-        };
+        let turned = column.cross_wrench(momentum);
+        let moment = column.angular.cross(&self.weight_gyration[i])
+            + self.subtree.gyration(i).transposed(chi);
+        let mut q_by_velocity = psi_dot.cross_wrench(momentum) * 2.0 - of_weight.apply(psi_dot);
+        q_by_velocity.angular += moment;
         Side {
-            q_by_acceleration: turned_weight + inertia.apply(chi),
-            q_by_weight: column.cross_wrench(&self.subtree.force[i])
-                + inertia.apply(psi_ddot)
-                + gyration.apply(psi_dot),
-            q_by_velocity: psi_dot.cross_wrench(&self.weight_momentum[i]) * 2.0
-                - of_weight.apply(psi_dot)
-                + moment,
-            v_by_weight: inertia.apply(sigma) + gyration.apply(column),
-            v_by_velocity: turned_weight * 2.0 - of_weight.apply(column),
-            a_by_weight: inertia.apply(column),
+            q_by_acceleration: turned + self.subtree.inertia[i].apply(chi),
+            q_by_velocity,
+            v_by_velocity: turned * 2.0 - of_weight.apply(column),
         }
     }
 
+    /// All pairs of index k (of joint i) with the indices of its support.
     #[inline]
-    fn pairs_with_ancestors(&mut self, nv: usize, ancestors: &[usize], k: usize) {
-        let qq = self.hessian_qq.as_mut_slice();
-        let qv = self.hessian_qv.as_mut_slice();
-        let vv = self.hessian_vv.as_mut_slice();
-        let qa = self.hessian_qa.as_mut_slice();
-        let side = &self.sides[k];
-        let blocks = self.path.blocks(ancestors.len());
-        for ([psi_ddot, chi, psi_dot, column, sigma], indices) in
-            blocks.iter().zip(ancestors.chunks(LANES))
-        {
-            let mut sums = [[0.0; LANES]; 6];
-            let [qq_sum, qv_upper, qv_lower, vv_sum, qa_upper, qa_lower] = &mut sums;
-            add_products(qq_sum, psi_ddot, &side.q_by_acceleration);
-            add_products(qq_sum, chi, &side.q_by_weight);
-            add_products(qq_sum, psi_dot, &side.q_by_velocity);
-            add_products(qv_upper, chi, &side.v_by_weight);
-            add_products(qv_upper, psi_dot, &side.v_by_velocity);
-            add_products(qv_lower, sigma, &side.q_by_acceleration);
-            add_products(qv_lower, column, &side.q_by_velocity);
-            add_products(vv_sum, column, &side.v_by_velocity);
-            add_products(qa_upper, chi, &side.a_by_weight);
-            add_products(qa_lower, column, &side.q_by_acceleration);
+    fn pairs(&mut self, model: &Model, i: usize, k: usize) {
+        let (support, first_own, nv) = (&model.supports[i], model.joints[i].idx_v, model.nv);
+        let first_side = self.subtree.first_side(i, k);
+        let side = self.side(i, k);
+        self.first.tau[k] = self.subtree.force[i].power(&self.subtree.directions[k].column);
+        let (qq, qv) = (
+            self.hessian_qq.as_mut_slice(),
+            self.hessian_qv.as_mut_slice(),
+        );
+        let (vv, qa) = (
+            self.hessian_vv.as_mut_slice(),
+            self.hessian_qa.as_mut_slice(),
+        );
+        let blocks = self
+            .path
+            .blocks(support.len())
+            .iter()
+            .zip(support.chunks(LANES));
+        for ([psi_ddot, psi_dot, sigma, column, chi], indices) in blocks {
+            self.first.write(
+                [psi_ddot, psi_dot, sigma, column],
+                indices,
+                first_own,
+                k,
+                &first_side,
+            );
+            let qq_both = plus(
+                plus(
+                    products(psi_ddot, &side.q_by_acceleration),
+                    products(chi, &first_side.by_position),
+                ),
+                products(psi_dot, &side.q_by_velocity),
+            );
+            let qv_upper = plus(
+                products(chi, &first_side.by_velocity),
+                products(psi_dot, &side.v_by_velocity),
+            );
+            let qv_lower = plus(
+                products(sigma, &side.q_by_acceleration),
+                products(column, &side.q_by_velocity),
+            );
+            let vv_both = products(column, &side.v_by_velocity);
+            let qa_upper = products(chi, &first_side.inertia_column);
+            let qa_lower = products(column, &side.q_by_acceleration);
             for (lane, &l) in indices.iter().enumerate() {
                 let (upper, lower) = (l + k * nv, k + l * nv);
-                qq[upper] = qq_sum[lane];
-                qq[lower] = qq_sum[lane];
+                qq[upper] = qq_both[lane];
                 qv[upper] = qv_upper[lane];
-                qv[lower] = qv_lower[lane];
-                vv[upper] = vv_sum[lane];
-                vv[lower] = vv_sum[lane];
+                vv[upper] = vv_both[lane];
                 qa[upper] = qa_upper[lane];
-                qa[lower] = qa_lower[lane];
+                // within a joint every ordered pair comes as an upper one
+                if l < first_own {
+                    qq[lower] = qq_both[lane];
+                    qv[lower] = qv_lower[lane];
+                    vv[lower] = vv_both[lane];
+                    qa[lower] = qa_lower[lane];
+                }
             }
         }
     }
 
-    /// Pairs of indices of one joint; their order matters for six base columns, so both are averaged.
-    #[inline]
-    fn pairs_in_joint(&mut self, first: usize, count: usize) {
-        for k in first..first + count {
-            let side = self.sides[k];
-            for l in first..first + count {
-                let Directions {
-                    psi_dot,
-                    psi_ddot,
-                    column,
-                    ..
-                } = &self.subtree.directions[l];
-                let chi = &self.chi[l];
-                self.hessian_qq[(l, k)] = side.q_by_acceleration.power(psi_ddot)
-                    + side.q_by_weight.power(chi)
-                    + side.q_by_velocity.power(psi_dot);
-                self.hessian_vv[(l, k)] = side.v_by_velocity.power(column);
-                self.hessian_qv[(l, k)] =
-                    side.v_by_weight.power(chi) + side.v_by_velocity.power(psi_dot);
-                self.hessian_qa[(l, k)] = side.a_by_weight.power(chi);
-            }
-        }
-        for k in first..first + count {
-            for l in first..k {
-                symmetrise(&mut self.hessian_qq, l, k);
-                symmetrise(&mut self.hessian_vv, l, k);
-            }
-        }
+    /// τ = ID(q, v, a), length nv; like the first derivatives written by [`RneaHessian::compute`] only.
+    pub fn tau(&self) -> &[f64] {
+        &self.first.tau
+    }
+
+    /// ∂τ/∂q by body increments, nv×nv.
+    pub fn dtau_dq(&self) -> &DMatrix<f64> {
+        &self.first.dtau_dq
+    }
+
+    /// ∂τ/∂v, nv×nv.
+    pub fn dtau_dv(&self) -> &DMatrix<f64> {
+        &self.first.dtau_dv
+    }
+
+    /// ∂τ/∂a = M(q), nv×nv, both triangles.
+    pub fn dtau_da(&self) -> &DMatrix<f64> {
+        &self.first.dtau_da
     }
 
     /// wᵀτ.
@@ -346,7 +342,7 @@ impl RneaHessian {
 }
 
 #[inline]
-pub(crate) fn symmetrise(matrix: &mut DMatrix<f64>, l: usize, k: usize) {
+fn take_mean(matrix: &mut DMatrix<f64>, l: usize, k: usize) {
     let mean = 0.5 * (matrix[(l, k)] + matrix[(k, l)]);
     matrix[(l, k)] = mean;
     matrix[(k, l)] = mean;
@@ -385,6 +381,22 @@ mod tests {
                     gap.norm() / expected.norm()
                 );
             }
+        }
+    }
+
+    #[test]
+    fn first_derivatives_come_along() {
+        for sample in samples() {
+            let (model, kinematics) = (&sample.model, sample.kinematics());
+            let (v, a, w) = (&sample.v, &sample.a, &sample.w);
+            let mut hessian = RneaHessian::new(model);
+            hessian.compute(model, &kinematics, v, a, w);
+            let mut derivatives = RneaDerivatives::new(model);
+            derivatives.compute(model, &kinematics, v, a);
+            assert_eq!(hessian.tau(), derivatives.tau());
+            assert_eq!(hessian.dtau_dq(), derivatives.dtau_dq());
+            assert_eq!(hessian.dtau_dv(), derivatives.dtau_dv());
+            assert_eq!(hessian.dtau_da(), derivatives.dtau_da());
         }
     }
 

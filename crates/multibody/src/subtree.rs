@@ -4,7 +4,7 @@
 
 use crate::rnea::{NAN_TWIST, NAN_WRENCH, rising};
 use crate::symmetric3::Symmetric3;
-use crate::world_inertia::WorldInertia;
+use crate::world_inertia::{Gyration, WorldInertia};
 use crate::{Kinematics, Model};
 use spatial::{Twist, Wrench};
 
@@ -111,6 +111,15 @@ impl Subtree {
         self.rate[i] = inertia.rate(&twist);
         (self.twist[i], self.acceleration[i]) = (twist, acceleration);
         (self.inertia[i], self.momentum[i]) = (inertia, momentum);
+    }
+
+    /// The gyration of the body of joint i, or of the subtree behind it once the sums are complete.
+    #[inline]
+    pub fn gyration(&self, i: usize) -> Gyration<'_> {
+        Gyration {
+            momentum: &self.momentum[i],
+            rate: &self.rate[i],
+        }
     }
 
     /// Adds the sums of joint i to those of its parent.
