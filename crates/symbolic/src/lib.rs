@@ -5,7 +5,34 @@
 //!
 //! A [`Domain`] says which interfaces there are and what can touch what. A [`SkeletonGraph`] adds start, goal and the
 //! manipulation skeletons; its paths are contact sequences. [`search`] lists them, best first or at random, and lets
-//! an [`Oracle`] that knows the geometry reject states, transitions and beginnings.
+//! an [`Oracle`] that knows the geometry reject states, transitions and beginnings. `docs/symbolic.md` has the rules,
+//! the operators and the derived limits in one place.
+//!
+//! ```
+//! use symbolic::search::AcceptAll;
+//! use symbolic::{BestFirst, Contact, ContactState, ContactType, Costs, Domain, Goal, GraphOptions, Interface};
+//! use symbolic::{InterfaceId, Owner, Role, SearchLimits, SkeletonGraph};
+//!
+//! let interface = |name: &str, owner, role, lands, kind| Interface {
+//!     name: name.to_owned(), owner, role, patch: true, lands, contact_types: vec![kind],
+//! };
+//! let (push, hold) = (ContactType::UnilateralPatch, ContactType::BilateralPatch);
+//! let interfaces = vec![
+//!     interface("hand", Owner::Robot, Role::Hand, false, hold),
+//!     interface("box_bottom", Owner::Object(0), Role::Surface, true, push),
+//!     interface("box_handle", Owner::Object(0), Role::Surface, false, hold),
+//!     interface("table_top", Owner::Static(0), Role::Surface, false, push),
+//!     interface("shelf_top", Owner::Static(1), Role::Surface, false, push),
+//! ];
+//! let domain = Domain::new(interfaces, vec!["box".to_owned()], vec![])?;
+//! let start: ContactState = [Contact { a: InterfaceId(1), b: InterfaceId(3), kind: push }].into_iter().collect();
+//! let goal = Goal::of_pairs([(InterfaceId(1), InterfaceId(4))]);
+//! let graph = SkeletonGraph::new(domain, start, goal, GraphOptions::default())?;
+//! let mut search = BestFirst::new(graph, &SearchLimits::default(), Costs::default());
+//! let plan = search.next(&mut AcceptAll).expect("a plan exists");
+//! assert_eq!(plan.labels, ["start", "grasp box with hand", "lift box", "place box on shelf_top", "release box"]);
+//! # Ok::<(), symbolic::SymbolicError>(())
+//! ```
 
 #[cfg(test)]
 extern crate self as symbolic;

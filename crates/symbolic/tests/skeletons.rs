@@ -102,11 +102,11 @@ fn a_handover_needs_a_second_handle() {
             Some(6),
         );
         let handed = |labels: &&Vec<String>| {
-            let grasps = labels
+            let mut grasps = labels
                 .iter()
                 .enumerate()
                 .filter(|(_, label)| label.starts_with("grasp"));
-            grasps.last().is_some_and(|(n, _)| n > 1)
+            grasps.next_back().is_some_and(|(n, _)| n > 1)
                 && !labels[..4].iter().any(|label| label.starts_with("place"))
         };
         skeletons(&graph).iter().filter(handed).count()
