@@ -182,7 +182,12 @@ fn robot_descriptions_broken_anywhere() {
             let (from, to) = (from.min(to), from.max(to));
             match random.index(4) {
                 0 => text.insert_str(from, pieces[random.index(pieces.len())]),
-                1 => text.replace_range(from..to.min(from + 12).max(from), ""),
+                1 => {
+                    let end = (from..=to.min(from + 12))
+                        .rev()
+                        .find(|i| text.is_char_boundary(*i));
+                    text.replace_range(from..end.unwrap_or(from), "");
+                }
                 2 => replace_number(text, from, pieces[random.index(pieces.len())]),
                 _ => {
                     let copy = text[from..to].to_owned();

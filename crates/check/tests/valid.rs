@@ -1,7 +1,7 @@
 //! Valid plans pass, whatever their integrator, form of dynamics and place in the world.
 
 use check::{Options, Report, check};
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3, Vector6};
 use plan::{Dynamics, Integrator, Plan, Pose7, Row6};
 use spatial::Pose;
 
@@ -154,6 +154,53 @@ fn the_verdict_does_not_depend_on_where_the_world_is() {
             );
         }
     }
+}
+
+/// Lets the box of `stand` fly from the table, tumbling, under gravity alone.
+fn throw_the_box(plan: &mut Plan) {
+    let inertia = Matrix3::new(
+        0.02, 0.003, -0.001, 0.003, 0.03, 0.002, -0.001, 0.002, 0.045,
+    );
+    plan.objects[0].inertia = [0.02, 0.03, 0.045, 0.003, -0.001, 0.002];
+    plan.phases[0].contacts.retain(|c| c.a != "box_bottom");
+    plan.goal.clear();
+    let (gravity, n) = (Vector3::from(plan.gravity), plan.n_intervals());
+    let states = plan.object_states.get_mut("box").unwrap();
+    let mut pose = Pose::from_xyzquat(&states.pose[0]);
+    let (mut v, mut w) = (Vector3::new(0.5, -0.3, 2.0), Vector3::new(3.0, -2.0, 4.0));
+    for t in 0..=n {
+        let dv = pose.rotate_inverse(gravity) - w.cross(&v);
+        let dw = -inertia.try_inverse().unwrap() * w.cross(&(inertia * w));
+        let dt = plan.time[n] / n as f64;
+        states.pose[t] = pose.to_xyzquat();
+        states.twist[t] = [v.x, v.y, v.z, w.x, w.y, w.z];
+        if t < n {
+            states.accel[t] = [dv.x, dv.y, dv.z, dw.x, dw.y, dw.z];
+        }
+        pose = pose.plus(&(Vector6::from(states.twist[t]) * dt));
+        (v, w) = (v + dv * dt, w + dw * dt);
+    }
+}
+
+#[test]
+fn an_object_may_tumble_through_the_air_as_euler_says() {
+    let mut plan = stand();
+    throw_the_box(&mut plan);
+    let options = Options {
+        collisions: false,
+        ..Options::accept()
+    };
+    let report = assert_passes(&plan, &options);
+    assert!(
+        report.row("object_moment").unwrap().value.unwrap() < 1e-12,
+        "{report}"
+    );
+    // The gyroscopic term is not small: another product of inertia is noticed.
+    plan.objects[0].inertia[4] = 0.001;
+    assert_eq!(
+        check(&plan, &options).failed().collect::<Vec<_>>(),
+        ["object_moment"]
+    );
 }
 
 #[test]
