@@ -37,12 +37,20 @@ pub struct TaskGraph {
 impl TaskGraph {
     /// Explores a task breadth first.
     ///
-    /// `max_actions` is N; `None` takes the length of the shortest plan plus [`DEFAULT_SLACK`], or everything within
+    /// `max_actions` is N; `None` takes the length of the shortest plan and four more, or lists everything within
     /// reach if no plan exists. Where several operators lead from one state to the same next state, the first counts.
     ///
     /// # Errors
     /// [`SymbolicError::TooManyStates`].
     pub fn explore(task: &Task, max_actions: Option<usize>) -> Result<Self, SymbolicError> {
+        Self::explore_up_to(task, max_actions, STATE_LIMIT)
+    }
+
+    fn explore_up_to(
+        task: &Task,
+        max_actions: Option<usize>,
+        limit: usize,
+    ) -> Result<Self, SymbolicError> {
         let mut graph = Self {
             states: vec![task.start().clone()],
             depths: vec![0],
@@ -60,11 +68,14 @@ impl TaskGraph {
                 graph.max_actions = graph.depths[n] + DEFAULT_SLACK;
             }
             let edges = if graph.depths[n] < graph.max_actions {
-                graph.expand(task, n, &mut index)?
+                graph.expand(task, n, &mut index)
             } else {
                 vec![]
             };
             graph.edges.push(edges);
+            if graph.states.len() > limit {
+                return Err(SymbolicError::TooManyStates { limit });
+            }
         }
         if graph.max_actions == usize::MAX {
             graph.max_actions = 0; // no plan of any length
@@ -78,7 +89,7 @@ impl TaskGraph {
         task: &Task,
         n: usize,
         index: &mut BTreeMap<FactSet, TaskState>,
-    ) -> Result<Vec<TaskEdge>, SymbolicError> {
+    ) -> Vec<TaskEdge> {
         let mut edges: Vec<TaskEdge> = Vec::new();
         for (operator, action) in task.operators().iter().enumerate() {
             let Some(next) = action.apply(&self.states[n]) else {
@@ -93,10 +104,7 @@ impl TaskGraph {
                 edges.push(TaskEdge { operator, to });
             }
         }
-        if self.states.len() > STATE_LIMIT {
-            return Err(SymbolicError::TooManyStates { limit: STATE_LIMIT });
-        }
-        Ok(edges)
+        edges
     }
 
     fn measure_distances(&mut self, task: &Task) {
@@ -229,5 +237,36 @@ impl Plans<'_> {
             self.path.push((to, 0));
         }
         None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::task::{Condition, Fact, Operator};
+
+    #[test]
+    fn too_many_states_are_refused_with_the_limit() {
+        let switch = |n: usize| Operator {
+            label: format!("switch {n}"),
+            requires: Condition::default(),
+            deletes: vec![],
+            adds: vec![Fact(n)],
+        };
+        let facts = (0..5).map(|n| format!("on {n}")).collect();
+        let goal = Condition {
+            any_of: (0..5).map(|n| vec![Fact(n)]).collect(),
+            none_of: vec![],
+        };
+        let operators = (0..5).map(switch).collect();
+        let task =
+            Task::new(facts, operators, FactSet::default(), goal).expect("the task is valid");
+        let error = TaskGraph::explore_up_to(&task, None, 31).expect_err("there are 32 states");
+        assert_eq!(
+            error.to_string(),
+            "more than 31 manipulation states within reach; lower the largest number of skeleton actions"
+        );
+        let graph = TaskGraph::explore_up_to(&task, None, 32).expect("32 states fit");
+        assert_eq!(graph.plans().count(), 120, "5! orders of five switches");
     }
 }

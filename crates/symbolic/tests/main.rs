@@ -4,6 +4,8 @@ mod costs;
 mod domain;
 mod fixtures;
 mod graph;
+mod oracles;
+mod problems;
 mod rules;
 mod search;
 mod sequences;
