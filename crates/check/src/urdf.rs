@@ -61,7 +61,10 @@ pub(crate) fn read(text: &str, joints: &[String]) -> Result<Robot, UrdfError> {
     let mut robot = Robot {
         links: Vec::new(),
         joints: joints.to_vec(),
-        limits: joints.iter().map(|name| limits(&urdf, name)).collect(),
+        limits: joints
+            .iter()
+            .map(|name| limits(&urdf, name))
+            .collect::<Result<_, _>>()?,
         world_from_origin: tree.world_from_origin,
         group_parent: vec![None],
         shapes: Vec::new(),
@@ -286,7 +289,7 @@ fn joint_motion(joint: &urdf_rs::Joint, joints: &[String]) -> Result<JointMotion
 }
 
 /// Limits as the URDF says; a joint whose limit element is missing has none, a continuous one none on its position.
-fn limits(urdf: &urdf_rs::Robot, name: &str) -> JointLimits {
+fn limits(urdf: &urdf_rs::Robot, name: &str) -> Result<JointLimits, UrdfError> {
     let infinity = f64::INFINITY;
     let none = JointLimits {
         lower: -infinity,
@@ -295,19 +298,25 @@ fn limits(urdf: &urdf_rs::Robot, name: &str) -> JointLimits {
         effort: infinity,
     };
     let Some(joint) = urdf.joints.iter().find(|joint| joint.name == name) else {
-        return none;
+        return Ok(none);
     };
     let limit = &joint.limit;
-    if [limit.lower, limit.upper, limit.velocity, limit.effort] == [0.0; 4] {
-        return none;
+    let all = [limit.lower, limit.upper, limit.velocity, limit.effort];
+    if all == [0.0; 4] {
+        return Ok(none);
+    }
+    if all.iter().any(|x| x.is_nan()) {
+        return Err(UrdfError::Number(format!(
+            "joint {name:?} has limits {all:?}, expected numbers"
+        )));
     }
     let turns_freely = joint.joint_type == JointType::Continuous;
-    JointLimits {
+    Ok(JointLimits {
         lower: if turns_freely { -infinity } else { limit.lower },
         upper: if turns_freely { infinity } else { limit.upper },
         velocity: limit.velocity,
         effort: limit.effort,
-    }
+    })
 }
 
 fn mass(link: &urdf_rs::Link) -> Result<f64, UrdfError> {

@@ -1,5 +1,6 @@
 //! Tests of the checker, one binary.
 
+mod details;
 mod g1;
 mod hostile;
 mod spoiled;

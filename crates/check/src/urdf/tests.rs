@@ -130,6 +130,11 @@ fn absurd_numbers_are_refused() {
         let found = error(&good.replace(from, to), &["j1"]);
         assert!(found.contains(message), "{found}");
     }
+    let limited = good.replace(
+        "</joint>",
+        "<limit lower='nan' upper='1' effort='1' velocity='1'/></joint>",
+    );
+    assert!(error(&limited, &["j1"]).contains("joint \"j1\" has limits [NaN, 1.0, 1.0, 1.0]"));
     let deep = format!(
         "<robot name='r'>{}{}</robot>",
         "<x>".repeat(100_000),
