@@ -43,7 +43,13 @@ pub struct Layout {
 
 impl From<&Interval> for Layout {
     fn from(i: &Interval) -> Self {
-        Self { a: i.a, b: i.b, c: i.c, time: i.time, time_next: i.time_next }
+        Self {
+            a: i.a,
+            b: i.b,
+            c: i.c,
+            time: i.time,
+            time_next: i.time_next,
+        }
     }
 }
 
@@ -127,7 +133,8 @@ impl Chain {
 
     /// Gradients of wᵀF by v and a.
     pub fn gradients_from_weights(&mut self, w: &[f64]) {
-        let dot = |column: nalgebra::DVectorView<f64>| column.iter().zip(w).map(|(x, w)| x * w).sum();
+        let dot =
+            |column: nalgebra::DVectorView<f64>| column.iter().zip(w).map(|(x, w)| x * w).sum();
         for i in 0..w.len() {
             self.by_v_gradient[i] = dot(self.by_v.column(i));
             self.by_a_gradient[i] = dot(self.mass.column(i));
@@ -144,7 +151,15 @@ impl Chain {
         work: &mut DMatrix<f64>,
         jacobian: &mut [f64],
     ) {
-        let Motion { v, v_next, a, dt, dt_next, steps, steps_next } = &self.motion;
+        let Motion {
+            v,
+            v_next,
+            a,
+            dt,
+            dt_next,
+            steps,
+            steps_next,
+        } = &self.motion;
         let nv = v.len();
         let mut write = |first: usize, m: &DMatrix<f64>| {
             for (c, column) in m.column_iter().enumerate() {
@@ -228,16 +243,32 @@ impl Chain {
         hessian: &mut [f64],
     ) {
         let n = gradient.len();
-        let Motion { v, v_next, a, dt, dt_next, steps, steps_next } = self.motion.clone();
+        let Motion {
+            v,
+            v_next,
+            a,
+            dt,
+            dt_next,
+            steps,
+            steps_next,
+        } = self.motion.clone();
         let nv = v.len();
         let (da, ga) = (self.da.clone(), self.by_a_gradient.clone());
-        let gv: Vec<f64> = (0..nv).map(|i| self.by_v_gradient[i] - ga[i] / dt).collect();
+        let gv: Vec<f64> = (0..nv)
+            .map(|i| self.by_v_gradient[i] - ga[i] / dt)
+            .collect();
         let gp: Vec<f64> = ga.iter().map(|g| g / dt).collect();
 
         // Cost gradient.
-        let cv: Vec<f64> = (0..nv).map(|i| self.cost_v[i] - self.cost_a[i] / dt).collect();
+        let cv: Vec<f64> = (0..nv)
+            .map(|i| self.cost_v[i] - self.cost_a[i] / dt)
+            .collect();
         let cp: Vec<f64> = self.cost_a.iter().map(|c| c / dt).collect();
-        let mut add_vector = |first: Option<usize>, difference: Option<&Difference>, x: &[f64], by_b: bool, s: f64| {
+        let mut add_vector = |first: Option<usize>,
+                              difference: Option<&Difference>,
+                              x: &[f64],
+                              by_b: bool,
+                              s: f64| {
             if let (Some(first), Some(difference)) = (first, difference) {
                 let mut chained = x.to_vec();
                 difference.chain_vector(&mut chained, by_b);
@@ -380,12 +411,16 @@ impl Chain {
         if let Some(here) = here {
             let firsts = [layout.a, layout.b];
             let weights: Vec<f64> = gv.iter().map(|g| g / dt).collect();
-            here.curvature(&weights, |br, i, bc, j, value| add_curvature(hessian, n, firsts, (br, i), (bc, j), value));
+            here.curvature(&weights, |br, i, bc, j, value| {
+                add_curvature(hessian, n, firsts, (br, i), (bc, j), value)
+            });
         }
         if let Some(next) = next {
             let firsts = [layout.b, layout.c];
             let weights: Vec<f64> = gp.iter().map(|g| g / dt_next).collect();
-            next.curvature(&weights, |br, i, bc, j, value| add_curvature(hessian, n, firsts, (br, i), (bc, j), value));
+            next.curvature(&weights, |br, i, bc, j, value| {
+                add_curvature(hessian, n, firsts, (br, i), (bc, j), value)
+            });
         }
         let Some(time) = layout.time else { return };
         self.time_blocks(here, next, layout, time, (&gv, &gp, &ga), hessian, n);
@@ -403,7 +438,15 @@ impl Chain {
         hessian: &mut [f64],
         n: usize,
     ) {
-        let Motion { v, v_next, a, dt, dt_next, steps, steps_next } = &self.motion;
+        let Motion {
+            v,
+            v_next,
+            a,
+            dt,
+            dt_next,
+            steps,
+            steps_next,
+        } = &self.motion;
         let nv = v.len();
         let da = &self.da;
         // Hessian times −v/dt (self.vv already holds + da/dt²), by rows q, v, v⁺; and the direct terms of dt.
@@ -426,14 +469,17 @@ impl Chain {
         let (mut dt_dt, mut dt_next_dt, mut next_next) = (0.0, 0.0, 0.0);
         for i in 0..nv {
             let direct = da[i] * a[i] / (dt * dt) + ga[i] / (dt * dt);
-            dt_dt += 2.0 * direct * vd[i] + da[i] * a[i] * a[i] / (dt * dt) + 2.0 * ga[i] * a[i] / (dt * dt);
+            dt_dt += 2.0 * direct * vd[i]
+                + da[i] * a[i] * a[i] / (dt * dt)
+                + 2.0 * ga[i] * a[i] / (dt * dt);
             dt_dt += vd[i] * v_dt[i] + 2.0 * gv[i] * v[i] / (dt * dt);
             v_dt[i] += direct - gv[i] / dt;
             p_dt[i] += -direct - da[i] / (dt * dt) * vd[i];
             v_next_cross[i] = -da[i] / (dt * dt) * pd[i];
             p_next_cross[i] = da[i] / (dt * dt) * pd[i] - gp[i] / dt_next;
             dt_next_dt += p_dt[i] * pd[i];
-            next_next += da[i] / (dt * dt) * pd[i] * pd[i] + 2.0 * gp[i] * v_next[i] / (dt_next * dt_next);
+            next_next +=
+                da[i] / (dt * dt) * pd[i] * pd[i] + 2.0 * gp[i] * v_next[i] / (dt_next * dt_next);
         }
         let mut add = |column: usize, first: Option<usize>, x: &[f64], s: f64| {
             if let Some(first) = first {
@@ -449,22 +495,62 @@ impl Chain {
         };
         add(time, layout.a, &q_dt, 1.0 / steps);
         if let Some(here) = here {
-            add(time, layout.a, &chained(here, &v_dt, false), 1.0 / (dt * steps));
-            add(time, layout.b, &chained(here, &v_dt, true), 1.0 / (dt * steps));
+            add(
+                time,
+                layout.a,
+                &chained(here, &v_dt, false),
+                1.0 / (dt * steps),
+            );
+            add(
+                time,
+                layout.b,
+                &chained(here, &v_dt, true),
+                1.0 / (dt * steps),
+            );
         }
         if let Some(next) = next {
-            add(time, layout.b, &chained(next, &p_dt, false), 1.0 / (dt_next * steps));
-            add(time, layout.c, &chained(next, &p_dt, true), 1.0 / (dt_next * steps));
+            add(
+                time,
+                layout.b,
+                &chained(next, &p_dt, false),
+                1.0 / (dt_next * steps),
+            );
+            add(
+                time,
+                layout.c,
+                &chained(next, &p_dt, true),
+                1.0 / (dt_next * steps),
+            );
         }
         if let Some(time_next) = layout.time_next {
             add(time_next, layout.a, &q_next, 1.0 / steps_next);
             if let Some(here) = here {
-                add(time_next, layout.a, &chained(here, &v_next_cross, false), 1.0 / (dt * steps_next));
-                add(time_next, layout.b, &chained(here, &v_next_cross, true), 1.0 / (dt * steps_next));
+                add(
+                    time_next,
+                    layout.a,
+                    &chained(here, &v_next_cross, false),
+                    1.0 / (dt * steps_next),
+                );
+                add(
+                    time_next,
+                    layout.b,
+                    &chained(here, &v_next_cross, true),
+                    1.0 / (dt * steps_next),
+                );
             }
             if let Some(next) = next {
-                add(time_next, layout.b, &chained(next, &p_next_cross, false), 1.0 / (dt_next * steps_next));
-                add(time_next, layout.c, &chained(next, &p_next_cross, true), 1.0 / (dt_next * steps_next));
+                add(
+                    time_next,
+                    layout.b,
+                    &chained(next, &p_next_cross, false),
+                    1.0 / (dt_next * steps_next),
+                );
+                add(
+                    time_next,
+                    layout.c,
+                    &chained(next, &p_next_cross, true),
+                    1.0 / (dt_next * steps_next),
+                );
             }
             let cross = dt_next_dt / (steps * steps_next);
             if time_next == time {

@@ -19,9 +19,9 @@ use scene::{Owner, PlacedShape, Role, Scene, Shape};
 use spatial::Pose;
 
 /// A ball nearer than this to an obstacle in the guide configurations gets a row [m].
-const NEAR: f64 = 0.20;
+const NEAR: f64 = 0.07;
 /// The same between two links of the robot [m].
-const NEAR_SELF: f64 = 0.08;
+const NEAR_SELF: f64 = 0.04;
 /// Largest ball that stands for a box [m]; corners of a box stick out of its balls by at most 0.73 of the radius.
 const BOX_BALL: f64 = 0.035;
 /// Clearance demanded one node away from a contact of the same bodies [m], and its growth per node.
@@ -77,7 +77,11 @@ impl CollisionModel {
         for (frame, shapes) in system.model.frames.iter().zip(&scene.robot.shapes) {
             if let Some(joint) = frame.joint {
                 for shape in shapes {
-                    cover(&(frame.joint_from_frame * shape.body_from_shape), &shape.shape, &mut balls[joint]);
+                    cover(
+                        &(frame.joint_from_frame * shape.body_from_shape),
+                        &shape.shape,
+                        &mut balls[joint],
+                    );
                 }
             }
         }
@@ -90,7 +94,11 @@ impl CollisionModel {
             }
         }
         for (s, body) in scene.statics.iter().enumerate() {
-            primitives.extend(body.shapes.iter().filter_map(|placed| primitive(None, Some(s), placed)));
+            primitives.extend(
+                body.shapes
+                    .iter()
+                    .filter_map(|placed| primitive(None, Some(s), placed)),
+            );
         }
         let carries = |role: Role| {
             let mut out = vec![false; n];
@@ -101,8 +109,13 @@ impl CollisionModel {
             }
             out
         };
-        let mut model =
-            Self { balls, primitives, self_pairs: vec![], feet: carries(Role::Foot), hands: carries(Role::Hand) };
+        let mut model = Self {
+            balls,
+            primitives,
+            self_pairs: vec![],
+            feet: carries(Role::Foot),
+            hands: carries(Role::Hand),
+        };
         model.self_pairs = model.find_self_pairs(scene, system);
         model
     }
@@ -129,7 +142,9 @@ impl CollisionModel {
                     continue;
                 }
                 let (pa, pb) = (path(a), path(b));
-                let Some(common) = pa.iter().find(|j| pb.contains(j)) else { continue };
+                let Some(common) = pa.iter().find(|j| pb.contains(j)) else {
+                    continue;
+                };
                 let steps = |p: &[usize]| p.iter().position(|j| j == common).unwrap_or(0);
                 if steps(&pa) + steps(&pb) > 2 && self.link_distance(&kinematics, a, b) > 0.0 {
                     pairs.push((a, b));
@@ -153,8 +168,15 @@ impl CollisionModel {
 
     /// The relative frame of two bodies.
     pub fn frame(&self, system: &System, a: usize, b: Option<usize>) -> RelativeFrame {
-        let carrier = |body| Carrier { body, body_from_frame: Pose::identity() };
-        RelativeFrame::new(&system.model, carrier(Body::Joint(a)), carrier(b.map_or(Body::World, Body::Joint)))
+        let carrier = |body| Carrier {
+            body,
+            body_from_frame: Pose::identity(),
+        };
+        RelativeFrame::new(
+            &system.model,
+            carrier(Body::Joint(a)),
+            carrier(b.map_or(Body::World, Body::Joint)),
+        )
     }
 
     /// Bodies that touch at a node: contacts that bind one of its two intervals.
@@ -164,9 +186,19 @@ impl CollisionModel {
         let reach = if program.grid == Grid::Motion { 2 } else { 1 };
         for i in t.saturating_sub(reach)..=t.min(n - 1) {
             for contact in &phases[program.phase_of(i)].state.contacts {
-                let (a, b) = (&scene.interfaces[contact.a.0], &scene.interfaces[contact.b.0]);
-                let Body::Joint(joint) = program.system.carrier(a.owner, &a.body_from_interface).body else { continue };
-                let other = match (b.owner, program.system.carrier(b.owner, &b.body_from_interface).body) {
+                let (a, b) = (
+                    &scene.interfaces[contact.a.0],
+                    &scene.interfaces[contact.b.0],
+                );
+                let Body::Joint(joint) =
+                    program.system.carrier(a.owner, &a.body_from_interface).body
+                else {
+                    continue;
+                };
+                let other = match (
+                    b.owner,
+                    program.system.carrier(b.owner, &b.body_from_interface).body,
+                ) {
                     (Owner::Static(s), _) => Err(s),
                     (_, Body::Joint(j)) => Ok(j),
                     (_, Body::World) => continue,
@@ -186,11 +218,19 @@ impl CollisionModel {
     }
 
     /// All pairs that get rows, given one guide configuration per node.
-    pub fn pairs(&self, program: &Program, scene: &Scene, phases: &[Phase], near: &[Vec<f64>]) -> Vec<Pair> {
+    pub fn pairs(
+        &self,
+        program: &Program,
+        scene: &Scene,
+        phases: &[Phase],
+        near: &[Vec<f64>],
+    ) -> Vec<Pair> {
         let mut kinematics = Kinematics::new(&program.system.model);
         let mut out = Vec::new();
         let n = program.n_intervals();
-        let touching: Vec<_> = (0..=n).map(|t| Self::touching(scene, program, phases, t)).collect();
+        let touching: Vec<_> = (0..=n)
+            .map(|t| Self::touching(scene, program, phases, t))
+            .collect();
         for t in 0..=n {
             if program.nodes[t].var.is_none() || program.master_node(t) != t {
                 continue;
@@ -227,46 +267,87 @@ impl CollisionModel {
                 if primitive.joint == Some(a) || self.balls[a].is_empty() {
                     continue;
                 }
-                let Some(other) = primitive.joint.map(Ok).or(primitive.body.map(Err)) else { continue };
+                let Some(other) = primitive.joint.map(Ok).or(primitive.body.map(Err)) else {
+                    continue;
+                };
                 let d = since(a, other);
                 if d == Some(0) {
                     continue;
                 }
-                let full = if self.feet[a] && primitive.joint.is_none() { margins.swing } else { margins.clearance };
+                let full = if self.feet[a] && primitive.joint.is_none() {
+                    margins.swing
+                } else {
+                    margins.clearance
+                };
                 let clearance = if keyframes { 0.0 } else { Self::ramp(full, d) };
                 let body_from_a = match primitive.joint {
-                    Some(j) => kinematics.world_from_joint[j].inverse() * kinematics.world_from_joint[a],
+                    Some(j) => {
+                        kinematics.world_from_joint[j].inverse() * kinematics.world_from_joint[a]
+                    }
                     None => kinematics.world_from_joint[a],
                 };
                 let primitive_from_a = primitive.primitive_from_body * body_from_a;
                 let balls: Vec<Ball> = self.balls[a]
                     .iter()
-                    .filter(|(c, r)| paper || distance(&primitive_from_a.act(*c), &primitive.obstacle) - r < NEAR)
+                    .filter(|(c, r)| {
+                        paper || distance(&primitive_from_a.act(*c), &primitive.obstacle) - r < NEAR
+                    })
                     .copied()
                     .collect();
                 if balls.is_empty() {
                     continue;
                 }
-                let (obstacle, obstacle_from_b) = (primitive.obstacle.clone(), primitive.primitive_from_body);
+                let (obstacle, obstacle_from_b) =
+                    (primitive.obstacle.clone(), primitive.primitive_from_body);
                 let term: Arc<dyn PoseTerm> = if paper {
-                    Arc::new(Sigmoid { points: balls, obstacle, obstacle_from_b, slope: SIGMOID_SLOPE })
+                    Arc::new(Sigmoid {
+                        points: balls,
+                        obstacle,
+                        obstacle_from_b,
+                        slope: SIGMOID_SLOPE,
+                    })
                 } else {
-                    Arc::new(Distance { balls, obstacle, obstacle_from_b, clearance })
+                    Arc::new(Distance {
+                        balls,
+                        obstacle,
+                        obstacle_from_b,
+                        clearance,
+                    })
                 };
-                out.push(Pair { node: t, a, b: primitive.joint, term });
+                out.push(Pair {
+                    node: t,
+                    a,
+                    b: primitive.joint,
+                    term,
+                });
             }
         }
         if paper {
             return;
         }
         for &(a, b) in &self.self_pairs {
-            let b_from_a = kinematics.world_from_joint[b].inverse() * kinematics.world_from_joint[a];
+            let b_from_a =
+                kinematics.world_from_joint[b].inverse() * kinematics.world_from_joint[a];
             let (near_a, near_b) = near_balls(&self.balls[a], &self.balls[b], &b_from_a);
             if !near_a.is_empty() {
-                let clearance = if keyframes { 0.0 } else { margins.self_clearance };
+                let clearance = if keyframes {
+                    0.0
+                } else {
+                    margins.self_clearance
+                };
                 let obstacle = Obstacle::Balls(near_b);
-                let term = Arc::new(Distance { balls: near_a, obstacle, obstacle_from_b: Pose::identity(), clearance });
-                out.push(Pair { node: t, a, b: Some(b), term });
+                let term = Arc::new(Distance {
+                    balls: near_a,
+                    obstacle,
+                    obstacle_from_b: Pose::identity(),
+                    clearance,
+                });
+                out.push(Pair {
+                    node: t,
+                    a,
+                    b: Some(b),
+                    term,
+                });
             }
         }
     }
@@ -285,12 +366,16 @@ impl CollisionModel {
         };
         for a in 0..self.balls.len() {
             for primitive in &self.primitives {
-                let Some(other) = primitive.joint.map(Ok).or(primitive.body.map(Err)) else { continue };
+                let Some(other) = primitive.joint.map(Ok).or(primitive.body.map(Err)) else {
+                    continue;
+                };
                 if primitive.joint == Some(a) || touching(a, other) {
                     continue;
                 }
                 let body_from_a = match primitive.joint {
-                    Some(j) => kinematics.world_from_joint[j].inverse() * kinematics.world_from_joint[a],
+                    Some(j) => {
+                        kinematics.world_from_joint[j].inverse() * kinematics.world_from_joint[a]
+                    }
                     None => kinematics.world_from_joint[a],
                 };
                 let x = primitive.primitive_from_body * body_from_a;
@@ -309,7 +394,10 @@ impl CollisionModel {
     pub fn start_touches(scene: &Scene, system: &System) -> Vec<(usize, Result<usize, usize>)> {
         let mut out = Vec::new();
         for contact in &scene.start_contacts {
-            let (a, b) = (&scene.interfaces[contact.a.0], &scene.interfaces[contact.b.0]);
+            let (a, b) = (
+                &scene.interfaces[contact.a.0],
+                &scene.interfaces[contact.b.0],
+            );
             let body = |i: &scene::Interface| system.carrier(i.owner, &i.body_from_interface).body;
             match (body(a), b.owner, body(b)) {
                 (Body::Joint(j), Owner::Static(s), _) => out.push((j, Err(s))),
@@ -324,8 +412,16 @@ impl CollisionModel {
 /// Balls of two links that are near one another.
 fn near_balls(a: &[Ball], b: &[Ball], b_from_a: &Pose) -> (Vec<Ball>, Vec<Ball>) {
     let near = |x: &Ball, y: &Ball| (b_from_a.act(x.0) - y.0).norm() - x.1 - y.1 < NEAR_SELF;
-    let near_a = a.iter().filter(|x| b.iter().any(|y| near(x, y))).copied().collect();
-    let near_b = b.iter().filter(|y| a.iter().any(|x| near(x, y))).copied().collect();
+    let near_a = a
+        .iter()
+        .filter(|x| b.iter().any(|y| near(x, y)))
+        .copied()
+        .collect();
+    let near_b = b
+        .iter()
+        .filter(|y| a.iter().any(|x| near(x, y)))
+        .copied()
+        .collect();
     (near_a, near_b)
 }
 
@@ -334,9 +430,10 @@ fn distance(p: &Vector3<f64>, obstacle: &Obstacle) -> f64 {
     match obstacle {
         Obstacle::Box(half) => box_distance(p, half).0,
         Obstacle::HalfSpace => p.z,
-        Obstacle::Balls(balls) => {
-            balls.iter().map(|(c, r)| (p - c).norm() - r).fold(f64::INFINITY, f64::min)
-        }
+        Obstacle::Balls(balls) => balls
+            .iter()
+            .map(|(c, r)| (p - c).norm() - r)
+            .fold(f64::INFINITY, f64::min),
     }
 }
 
@@ -350,14 +447,22 @@ fn primitive(joint: Option<usize>, body: Option<usize>, placed: &PlacedShape) ->
             (Obstacle::Balls(balls), placed.body_from_shape)
         }
     };
-    Some(Primitive { joint, body, primitive_from_body: turn.inverse(), obstacle })
+    Some(Primitive {
+        joint,
+        body,
+        primitive_from_body: turn.inverse(),
+        obstacle,
+    })
 }
 
 /// Balls that cover a shape (a box up to its edges), in the frame in which the shape's pose is given.
 fn cover(pose: &Pose, shape: &Shape, out: &mut Vec<Ball>) {
     match shape {
         Shape::Sphere { radius } => out.push((pose.origin(), *radius)),
-        Shape::Capsule { radius, half_length } => {
+        Shape::Capsule {
+            radius,
+            half_length,
+        } => {
             let pieces = (2.0 * half_length / radius).ceil().max(1.0) as usize;
             for i in 0..=pieces {
                 let z = half_length * (2.0 * i as f64 / pieces as f64 - 1.0);
@@ -400,9 +505,16 @@ fn corners(placed: &PlacedShape, out: &mut Vec<Ball>) {
     let radius = 0.003;
     let reach = half_size.map(|h| h - radius);
     for code in 0..27_usize {
-        let offset = Vector3::new((code % 3) as f64 - 1.0, (code / 3 % 3) as f64 - 1.0, (code / 9) as f64 - 1.0);
+        let offset = Vector3::new(
+            (code % 3) as f64 - 1.0,
+            (code / 3 % 3) as f64 - 1.0,
+            (code / 9) as f64 - 1.0,
+        );
         if offset.iter().filter(|x| **x == 0.0).count() <= 1 {
-            out.push((placed.body_from_shape.act(reach.component_mul(&offset)), radius));
+            out.push((
+                placed.body_from_shape.act(reach.component_mul(&offset)),
+                radius,
+            ));
         }
     }
 }

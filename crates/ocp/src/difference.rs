@@ -10,7 +10,7 @@
 //! (q, v, a) at node t go through (q, v, v⁺, dt) to (A, B, C, T, T⁺) with dt = T/steps.
 
 use nalgebra::{DMatrix, Matrix6, Vector6};
-use spatial::{log_hessian, left_jacobian_inverse, right_jacobian_inverse};
+use spatial::{left_jacobian_inverse, log_hessian, right_jacobian_inverse};
 
 /// Difference of two neighbouring nodes: value and the blocks of its derivatives.
 ///

@@ -79,12 +79,18 @@ fn object_poses(scene: &Scene, object: usize, start: &Pose, phases: &[Phase]) ->
 }
 
 fn lifted(pose: &Pose) -> Pose {
-    Pose::from_parts(*pose.rotation(), pose.origin() + Vector3::new(0.0, 0.0, LIFT))
+    Pose::from_parts(
+        *pose.rotation(),
+        pose.origin() + Vector3::new(0.0, 0.0, LIFT),
+    )
 }
 
 /// The object's pose with its surface in the middle of a support, turned as little as possible.
 fn resting_pose(scene: &Scene, contact: Contact, now: &Pose) -> Pose {
-    let (a, b) = (&scene.interfaces[contact.a.0], &scene.interfaces[contact.b.0]);
+    let (a, b) = (
+        &scene.interfaces[contact.a.0],
+        &scene.interfaces[contact.b.0],
+    );
     let world_from_b = match b.owner {
         Owner::Object(o) => scene.objects[o].world_from_start * b.body_from_interface,
         _ => b.body_from_interface,
@@ -99,9 +105,20 @@ fn resting_pose(scene: &Scene, contact: Contact, now: &Pose) -> Pose {
 }
 
 /// Horizontal and vertical offsets of the base per phase boundary.
-fn base_offsets(scene: &Scene, system: &System, phases: &[Phase], nodes: &[Vec<f64>]) -> Vec<Vector3<f64>> {
+fn base_offsets(
+    scene: &Scene,
+    system: &System,
+    phases: &[Phase],
+    nodes: &[Vec<f64>],
+) -> Vec<Vector3<f64>> {
     let feet = |phase: &Phase| -> Vec<Contact> {
-        phase.state.contacts.iter().copied().filter(|c| scene.interfaces[c.a.0].role == Role::Foot).collect()
+        phase
+            .state
+            .contacts
+            .iter()
+            .copied()
+            .filter(|c| scene.interfaces[c.a.0].role == Role::Foot)
+            .collect()
     };
     let mut known: Vec<Option<Vector3<f64>>> = vec![None; nodes.len()];
     known[0] = Some(Vector3::zeros());
@@ -111,7 +128,10 @@ fn base_offsets(scene: &Scene, system: &System, phases: &[Phase], nodes: &[Vec<f
         let now = feet(phase);
         let mut wish = None;
         for contact in &phase.state.contacts {
-            let (a, b) = (&scene.interfaces[contact.a.0], &scene.interfaces[contact.b.0]);
+            let (a, b) = (
+                &scene.interfaces[contact.a.0],
+                &scene.interfaces[contact.b.0],
+            );
             if let (Owner::Robot { .. }, Owner::Object(o)) = (a.owner, b.owner) {
                 let first = system.object_q(o);
                 let shift = |i: usize| nodes[k + 1][first + i] - nodes[0][first + i];
@@ -127,7 +147,8 @@ fn base_offsets(scene: &Scene, system: &System, phases: &[Phase], nodes: &[Vec<f
             let place = b.body_from_interface.origin();
             if b.half_size.is_some() && matches!(b.owner, Owner::Static(_)) {
                 let weight = 1.0 / now.len().max(1) as f64;
-                let to = Vector3::new(place.x - nodes[0][0], place.y - nodes[0][1], place.z) * weight;
+                let to =
+                    Vector3::new(place.x - nodes[0][0], place.y - nodes[0][1], place.z) * weight;
                 wish = Some(wish.unwrap_or(to));
             }
         }
@@ -141,7 +162,9 @@ fn base_offsets(scene: &Scene, system: &System, phases: &[Phase], nodes: &[Vec<f
             let before = (0..=k).rev().find_map(|i| known[i].map(|p| (i, p)));
             let after = (k..known.len()).find_map(|i| known[i].map(|p| (i, p)));
             match (before, after) {
-                (Some((i, from)), Some((j, to))) if j > i => from + (to - from) * ((k - i) as f64 / (j - i) as f64),
+                (Some((i, from)), Some((j, to))) if j > i => {
+                    from + (to - from) * ((k - i) as f64 / (j - i) as f64)
+                }
                 (Some((_, from)), _) => from,
                 _ => Vector3::zeros(),
             }
@@ -176,19 +199,27 @@ pub fn point(program: &Program, scene: &Scene, nodes: Vec<Vec<f64>>) -> Point {
         .map(|interval| {
             let mut wrench = vec![0.0; interval.n_wrench];
             for force in &interval.forces {
-                wrench[force.first..force.first + force.n].copy_from_slice(&force.reference[..force.n]);
+                wrench[force.first..force.first + force.n]
+                    .copy_from_slice(&force.reference[..force.n]);
             }
             wrench
         })
         .collect();
     let duration = DURATION.clamp(
         program.settings.min_duration.max(0.0),
-        program.settings.max_duration.max(program.settings.min_duration),
+        program
+            .settings
+            .max_duration
+            .max(program.settings.min_duration),
     );
     let _ = scene;
     let durations = match program.grid {
         crate::Grid::Motion => vec![duration; program.steps.len()],
         crate::Grid::Keyframes => vec![1.0; program.steps.len()],
     };
-    Point { nodes, wrenches, durations }
+    Point {
+        nodes,
+        wrenches,
+        durations,
+    }
 }

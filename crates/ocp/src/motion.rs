@@ -3,10 +3,10 @@
 use crate::collision::CollisionModel;
 use crate::guess;
 use crate::point::Point;
+use crate::problem::Trajectory;
 use crate::program::{Grid, Phase, Program, RowLabel};
 use crate::settings::Settings;
 use crate::system::System;
-use crate::problem::Trajectory;
 use scene::Scene;
 use solver::{InteriorPoint, Iteration, Options, Problem, Report, Status};
 
@@ -77,14 +77,25 @@ impl<'a> Planner<'a> {
     pub fn new(scene: &'a Scene) -> Result<Self, multibody::ModelError> {
         let system = System::new(scene)?;
         let collisions = CollisionModel::new(scene, &system);
-        Ok(Self { scene, system, collisions })
+        Ok(Self {
+            scene,
+            system,
+            collisions,
+        })
     }
 
     /// One configuration per phase boundary that satisfies all contacts and clearances, no statics.
     pub fn keyframes(&self, phases: &[Phase], settings: &Settings) -> Keyframes {
         let nodes = guess::keyframes(self.scene, &self.system, phases);
-        let program =
-            Program::new(self.scene, &self.system, &self.collisions, phases, settings, Grid::Keyframes, &nodes);
+        let program = Program::new(
+            self.scene,
+            &self.system,
+            &self.collisions,
+            phases,
+            settings,
+            Grid::Keyframes,
+            &nodes,
+        );
         let mut point = guess::point(&program, self.scene, nodes);
         let mut trajectory = Trajectory::new(program);
         let options = Options {
@@ -97,11 +108,21 @@ impl<'a> Planner<'a> {
             ..Options::default()
         };
         let structure = trajectory.structure().clone();
-        let report =
-            InteriorPoint::new(&structure).solve(&mut trajectory, &mut point, &options, None, &mut |_| true);
+        let report = InteriorPoint::new(&structure).solve(
+            &mut trajectory,
+            &mut point,
+            &options,
+            None,
+            &mut |_| true,
+        );
         let worst = worst_row(&trajectory.program, &report);
         let possible = report.violation <= KEYFRAME_TOLERANCE;
-        Keyframes { nodes: point.nodes, possible, worst, report }
+        Keyframes {
+            nodes: point.nodes,
+            possible,
+            worst,
+            report,
+        }
     }
 
     /// Optimises the motion of a sequence from its keyframes; `observe` sees every iteration and may stop it.
@@ -113,20 +134,35 @@ impl<'a> Planner<'a> {
         observe: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Motion {
         let nodes = guess::interpolate(&self.system, phases, keyframes);
-        let mut program =
-            Program::new(self.scene, &self.system, &self.collisions, phases, settings, Grid::Motion, &nodes);
+        let mut program = Program::new(
+            self.scene,
+            &self.system,
+            &self.collisions,
+            phases,
+            settings,
+            Grid::Motion,
+            &nodes,
+        );
         let mut point = guess::point(&program, self.scene, nodes);
         let (mut iterations, mut seconds) = (0, 0.0);
         for round in 0.. {
             let mut trajectory = Trajectory::new(program);
             let structure = trajectory.structure().clone();
-            let mut options = Options { max_iterations: settings.max_iterations, ..Options::default() };
+            let mut options = Options {
+                max_iterations: settings.max_iterations,
+                ..Options::default()
+            };
             if round > 0 {
                 options.initial_barrier = 1e-3;
                 options.bound_push = 1e-4;
             }
-            let report =
-                InteriorPoint::new(&structure).solve(&mut trajectory, &mut point, &options, None, observe);
+            let report = InteriorPoint::new(&structure).solve(
+                &mut trajectory,
+                &mut point,
+                &options,
+                None,
+                observe,
+            );
             iterations += report.iterations;
             seconds += report.timing.total.as_secs_f64();
             let solved = report.violation <= 10.0 * options.feasibility_tolerance;
@@ -146,7 +182,15 @@ impl<'a> Planner<'a> {
                 }
             }
             let worst = worst_row(&trajectory.program, &report).filter(|_| !solved);
-            return Motion { trajectory, point, report, iterations, seconds, feasible: solved, worst };
+            return Motion {
+                trajectory,
+                point,
+                report,
+                iterations,
+                seconds,
+                feasible: solved,
+                worst,
+            };
         }
         unreachable!("the loop returns in its last round")
     }
@@ -155,10 +199,18 @@ impl<'a> Planner<'a> {
 /// True if a point violates clearance rows of a program.
 pub(crate) fn violates_new_rows(program: &Program, point: &Point) -> bool {
     let mut trajectory = Trajectory::new(program.clone());
-    let mut data: Vec<_> = program.structure.elements.iter().map(solver::ElementData::new).collect();
+    let mut data: Vec<_> = program
+        .structure
+        .elements
+        .iter()
+        .map(solver::ElementData::new)
+        .collect();
     trajectory.evaluate(point, &mut data);
     data.iter().zip(&program.structure.elements).any(|(d, e)| {
-        d.values.iter().zip(e.row_lower.iter().zip(&e.row_upper)).any(|(c, (l, u))| l - c > 1e-5 || c - u > 1e-5)
+        d.values
+            .iter()
+            .zip(e.row_lower.iter().zip(&e.row_upper))
+            .any(|(c, (l, u))| l - c > 1e-5 || c - u > 1e-5)
     })
 }
 
@@ -172,7 +224,12 @@ pub fn worst_row(program: &Program, report: &Report) -> Option<Worst> {
             let label = &program.labels[row];
             if amount > worst.as_ref().map_or(1e-7, |w| w.amount / w.label.scale) {
                 let amount = amount * label.scale;
-                worst = Some(Worst { label: label.clone(), phase: program.phase_of(t), interval: t, amount });
+                worst = Some(Worst {
+                    label: label.clone(),
+                    phase: program.phase_of(t),
+                    interval: t,
+                    amount,
+                });
             }
             row += 1;
         }

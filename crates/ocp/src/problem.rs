@@ -54,12 +54,22 @@ impl Trajectory {
             .iter()
             .map(|node| NodeState {
                 kinematics: Kinematics::new(model),
-                relatives: node.frames.iter().map(|&f| program.frames[f].relative()).collect(),
+                relatives: node
+                    .frames
+                    .iter()
+                    .map(|&f| program.frames[f].relative())
+                    .collect(),
             })
             .collect();
         let floating = program.system.floating();
         let differences = vec![Difference::new(nv, &floating); program.n_intervals()];
-        let most_rows = program.structure.elements.iter().map(solver::ElementStructure::n_rows).max().unwrap_or(0);
+        let most_rows = program
+            .structure
+            .elements
+            .iter()
+            .map(solver::ElementStructure::n_rows)
+            .max()
+            .unwrap_or(0);
         let scratch = Scratch {
             rnea: Rnea::new(model),
             derivatives: RneaDerivatives::new(model),
@@ -73,7 +83,12 @@ impl Trajectory {
             force_gradients: vec![(Vector6::zeros(), Vector6::zeros()); 16],
             rows: DMatrix::zeros(nv, nv),
         };
-        Self { nodes, differences, scratch, program }
+        Self {
+            nodes,
+            differences,
+            scratch,
+            program,
+        }
     }
 
     /// Kinematics, relative poses and differences at a point.
@@ -86,7 +101,10 @@ impl Trajectory {
             }
         }
         for (t, difference) in self.differences.iter_mut().enumerate() {
-            program.system.model.difference_into(&x.nodes[t], &x.nodes[t + 1], &mut difference.xi);
+            program
+                .system
+                .model
+                .difference_into(&x.nodes[t], &x.nodes[t + 1], &mut difference.xi);
         }
     }
 
@@ -99,8 +117,14 @@ impl Trajectory {
     /// Velocities and accelerations of interval `t` from the differences.
     fn motion(&mut self, x: &Point, t: usize) {
         let interval = &self.program.intervals[t];
-        let (dt, dt_next) =
-            (self.dt(x, t), if t + 1 < self.program.n_intervals() { self.dt(x, t + 1) } else { 1.0 });
+        let (dt, dt_next) = (
+            self.dt(x, t),
+            if t + 1 < self.program.n_intervals() {
+                self.dt(x, t + 1)
+            } else {
+                1.0
+            },
+        );
         let motion = &mut self.scratch.chain.motion;
         motion.dt = dt;
         motion.dt_next = dt_next;
@@ -113,7 +137,11 @@ impl Trajectory {
         let xi = &self.differences[t].xi;
         for i in 0..motion.v.len() {
             motion.v[i] = if interval.v { xi[i] / dt } else { 0.0 };
-            motion.v_next[i] = if interval.v_next { self.differences[t + 1].xi[i] / dt_next } else { 0.0 };
+            motion.v_next[i] = if interval.v_next {
+                self.differences[t + 1].xi[i] / dt_next
+            } else {
+                0.0
+            };
             motion.a[i] = (motion.v_next[i] - motion.v[i]) / dt;
         }
     }
@@ -124,7 +152,10 @@ impl Trajectory {
             self.update(x);
         }
         self.motion(x, t);
-        (self.scratch.chain.motion.v.clone(), self.scratch.chain.motion.a.clone())
+        (
+            self.scratch.chain.motion.v.clone(),
+            self.scratch.chain.motion.a.clone(),
+        )
     }
 
     /// Generalised forces M a + b − Σ Jᵀλ of interval `t`; `update` and `motion` have been called.
@@ -132,11 +163,20 @@ impl Trajectory {
         let program = &self.program;
         let s = &mut self.scratch;
         let Motion { v, a, .. } = &s.chain.motion;
-        s.tau.copy_from_slice(s.rnea.compute(&program.system.model, &self.nodes[t].kinematics, v, a));
+        s.tau.copy_from_slice(s.rnea.compute(
+            &program.system.model,
+            &self.nodes[t].kinematics,
+            v,
+            a,
+        ));
         for force in &program.intervals[t].forces {
             let wrench = physical_wrench(force, &x.wrenches[t]);
             let relative = &self.nodes[t].relatives[force.slot];
-            for (&col, column) in program.frames[force.frame].cols.iter().zip(&relative.columns) {
+            for (&col, column) in program.frames[force.frame]
+                .cols
+                .iter()
+                .zip(&relative.columns)
+            {
                 s.tau[col] -= column.dot(&wrench);
             }
         }
@@ -170,28 +210,46 @@ impl Trajectory {
             objective += program.settings.weights.time * s.chain.motion.dt;
         }
         for (i, (wv, wa)) in program.motion_weights.iter().enumerate() {
-            let (v, a) = (s.chain.motion.v[i], if dynamics { s.chain.motion.a[i] } else { 0.0 });
+            let (v, a) = (
+                s.chain.motion.v[i],
+                if dynamics { s.chain.motion.a[i] } else { 0.0 },
+            );
             objective += 0.5 * (wv * v * v + wa * a * a);
         }
         if let Some(first) = interval.velocity_rows {
             for (k, joint) in program.system.actuated().enumerate() {
-                out.values[first + k] = s.chain.motion.v[joint.idx_v] / velocity_scale(joint.velocity_limit);
+                out.values[first + k] =
+                    s.chain.motion.v[joint.idx_v] / velocity_scale(joint.velocity_limit);
             }
         }
         for stick in &interval.sticks {
             let n = stick.place.n_rows();
             let (mut from, mut to) = ([0.0; 3], [0.0; 3]);
             use crate::terms::PoseTerm;
-            stick.place.values(&self.nodes[t].relatives[stick.slot_a].b_from_a, &mut from[..n]);
-            stick.place.values(&self.nodes[t + 1].relatives[stick.slot_b].b_from_a, &mut to[..n]);
-            Place::difference(&from, &to, &mut out.values[stick.first_row..stick.first_row + n]);
+            stick.place.values(
+                &self.nodes[t].relatives[stick.slot_a].b_from_a,
+                &mut from[..n],
+            );
+            stick.place.values(
+                &self.nodes[t + 1].relatives[stick.slot_b].b_from_a,
+                &mut to[..n],
+            );
+            Place::difference(
+                &from,
+                &to,
+                &mut out.values[stick.first_row..stick.first_row + n],
+            );
         }
         for force in &interval.forces {
             let scaled = &x.wrenches[t][force.first..force.first + force.n];
             let wrench = physical_wrench(force, &x.wrenches[t]);
             let pose = &self.nodes[t].relatives[force.slot].b_from_a;
             for rows in &force.rows {
-                rows.term.values(pose, &wrench, &mut out.values[rows.first_row..rows.first_row + rows.n_rows]);
+                rows.term.values(
+                    pose,
+                    &wrench,
+                    &mut out.values[rows.first_row..rows.first_row + rows.n_rows],
+                );
             }
             for (l, r) in scaled.iter().zip(&force.reference) {
                 objective += 0.5 * program.settings.weights.force * (l - r) * (l - r);
@@ -200,12 +258,20 @@ impl Trajectory {
         for node in element_nodes(program, t) {
             for term in &program.nodes[node].terms {
                 let pose = &self.nodes[node].relatives[term.slot].b_from_a;
-                term.term.values(pose, &mut out.values[term.first_row..term.first_row + term.n_rows]);
+                term.term.values(
+                    pose,
+                    &mut out.values[term.first_row..term.first_row + term.n_rows],
+                );
             }
             for cost in &program.nodes[node].costs {
                 let pose = &self.nodes[node].relatives[cost.slot].b_from_a;
                 cost.term.values(pose, &mut s.values);
-                objective += cost.weights.iter().zip(&s.values).map(|(w, v)| w * v).sum::<f64>();
+                objective += cost
+                    .weights
+                    .iter()
+                    .zip(&s.values)
+                    .map(|(w, v)| w * v)
+                    .sum::<f64>();
             }
             objective += posture_cost(program, node, &x.nodes[node], |_, _, _| ());
         }
@@ -228,11 +294,16 @@ impl Trajectory {
             let frame = &program.frames[program.nodes[t].frames[stick.slot_a]];
             let jacobian = &mut out.jacobians[stick.block];
             let mut column = 0;
-            let sides = [(interval.a, t, stick.slot_a, -1.0), (interval.b, t + 1, stick.slot_b, 1.0)];
+            let sides = [
+                (interval.a, t, stick.slot_a, -1.0),
+                (interval.b, t + 1, stick.slot_b, 1.0),
+            ];
             for (first, node, slot, sign) in sides {
                 let Some(first) = first else { continue };
                 let relative = &self.nodes[node].relatives[slot];
-                stick.place.gradients(&relative.b_from_a, &mut s.gradients[..rows]);
+                stick
+                    .place
+                    .gradients(&relative.b_from_a, &mut s.gradients[..rows]);
                 for j in &relative.columns {
                     for r in 0..rows {
                         jacobian[column * rows + r] = sign * s.gradients[r].dot(j);
@@ -249,7 +320,9 @@ impl Trajectory {
             }
         }
         for node in element_nodes(program, t) {
-            let Some(first) = (if node == t { interval.a } else { interval.b }) else { continue };
+            let Some(first) = (if node == t { interval.a } else { interval.b }) else {
+                continue;
+            };
             for term in &program.nodes[node].terms {
                 let frame = &program.frames[program.nodes[node].frames[term.slot]];
                 let relative = &self.nodes[node].relatives[term.slot];
@@ -328,7 +401,9 @@ impl Trajectory {
                 let frame = &program.frames[force.frame];
                 let cols = &frame.cols;
                 let by_q = &mut s.chain.by_q;
-                frame.wrench_jacobian(relative, &wrench, |k, l, value| by_q[(cols[k], cols[l])] -= value);
+                frame.wrench_jacobian(relative, &wrench, |k, l, value| {
+                    by_q[(cols[k], cols[l])] -= value
+                });
                 for (k, &col) in cols.iter().enumerate() {
                     s.virtual_speeds[k] = s.weights[col];
                 }
@@ -340,7 +415,8 @@ impl Trajectory {
                     |l, by_wrench| {
                         if let Some(first) = interval.a {
                             for i in 0..force.n {
-                                out.hessian[(force.first + i) * n + first + cols[l]] -= by_wrench[i] * force.scale[i];
+                                out.hessian[(force.first + i) * n + first + cols[l]] -=
+                                    by_wrench[i] * force.scale[i];
                             }
                         }
                     },
@@ -361,7 +437,14 @@ impl Trajectory {
                     }
                 }
             }
-            s.chain.rows(here, next, &layout, &program.dynamics_scale, &mut s.rows, &mut out.jacobians[0]);
+            s.chain.rows(
+                here,
+                next,
+                &layout,
+                &program.dynamics_scale,
+                &mut s.rows,
+                &mut out.jacobians[0],
+            );
             s.chain.gradients_from_weights(&s.weights);
         } else {
             s.chain.start_empty();
@@ -386,8 +469,10 @@ impl Trajectory {
                 s.chain.by_v_gradient[i] += y[first + k] / scale;
             }
         }
-        s.chain.add_costs(&program.motion_weights, interval.dynamics);
-        s.chain.finish(here, next, &layout, &mut out.gradient, &mut out.hessian);
+        s.chain
+            .add_costs(&program.motion_weights, interval.dynamics);
+        s.chain
+            .finish(here, next, &layout, &mut out.gradient, &mut out.hessian);
         if let (true, Some(time)) = (interval.dynamics, interval.time) {
             out.gradient[time] += program.settings.weights.time / s.chain.motion.steps;
         }
@@ -426,7 +511,9 @@ impl Trajectory {
                             h.wrench[(i, j)] * force.scale[i] * force.scale[j];
                     }
                 }
-                let (true, Some(first)) = (rows.term.uses_pose(), interval.a) else { continue };
+                let (true, Some(first)) = (rows.term.uses_pose(), interval.a) else {
+                    continue;
+                };
                 for (c, j) in relative.columns.iter().enumerate() {
                     for r in 0..m {
                         jacobian[(force.n + c) * m + r] = gradients[r].0.dot(j);
@@ -435,7 +522,8 @@ impl Trajectory {
                 for (&col, j) in frame.cols.iter().zip(&relative.columns) {
                     let mixed = h.mixed.tr_mul(j);
                     for i in 0..force.n {
-                        out.hessian[(force.first + i) * n + first + col] += mixed[i] * force.scale[i];
+                        out.hessian[(force.first + i) * n + first + col] +=
+                            mixed[i] * force.scale[i];
                     }
                 }
                 let gradient = gradients.iter().zip(weights).map(|(g, w)| g.0 * *w).sum();
@@ -456,7 +544,12 @@ fn element_nodes(program: &Program, t: usize) -> impl Iterator<Item = usize> + u
 }
 
 /// ½ w Σ (q − home)² over the robot's joints; calls `each(i, gradient, curvature)`.
-fn posture_cost(program: &Program, node: usize, q: &[f64], mut each: impl FnMut(usize, f64, f64)) -> f64 {
+fn posture_cost(
+    program: &Program,
+    node: usize,
+    q: &[f64],
+    mut each: impl FnMut(usize, f64, f64),
+) -> f64 {
     let w = program.nodes[node].posture;
     let mut cost = 0.0;
     for joint in program.system.actuated() {
@@ -469,7 +562,11 @@ fn posture_cost(program: &Program, node: usize, q: &[f64], mut each: impl FnMut(
 
 /// Velocity that counts as one.
 fn velocity_scale(limit: f64) -> f64 {
-    if limit.is_finite() { limit.max(1e-3) } else { 10.0 }
+    if limit.is_finite() {
+        limit.max(1e-3)
+    } else {
+        10.0
+    }
 }
 
 /// Wrench in newtons and newton metres, axes of a.
@@ -529,7 +626,8 @@ impl Problem for Trajectory {
         }
         debug_assert_eq!(model.nq, x.nodes[0].len());
         for (t, interval) in self.program.intervals.iter().enumerate() {
-            out[interval.wrench_var..interval.wrench_var + interval.n_wrench].copy_from_slice(&x.wrenches[t]);
+            out[interval.wrench_var..interval.wrench_var + interval.n_wrench]
+                .copy_from_slice(&x.wrenches[t]);
         }
         if self.program.grid == Grid::Motion {
             let first = self.program.duration_var;
@@ -555,4 +653,3 @@ impl Problem for Trajectory {
         }
     }
 }
-

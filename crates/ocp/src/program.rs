@@ -15,8 +15,9 @@ use crate::settings::{Preset, Settings};
 use crate::system::System;
 use crate::terms::{
     ForceTerm, PoseTerm, alignment::Alignment, bounds::Bounds, friction::Friction, grasp::Grasp,
-    half_space::HalfSpace, height::Height, place::Place, point_friction::PointFriction, pressure::Pressure,
-    region::Region, support_pressure::SupportPressure, tilt::Tilt, torsion::Torsion,
+    half_space::HalfSpace, height::Height, place::Place, point_friction::PointFriction,
+    pressure::Pressure, region::Region, support_pressure::SupportPressure, tilt::Tilt,
+    torsion::Torsion,
 };
 use multibody::JointKind;
 use scene::{Owner, Role, Scene};
@@ -111,10 +112,13 @@ pub struct Node {
 
 impl Node {
     fn slot(&mut self, frame: usize) -> usize {
-        self.frames.iter().position(|&f| f == frame).unwrap_or_else(|| {
-            self.frames.push(frame);
-            self.frames.len() - 1
-        })
+        self.frames
+            .iter()
+            .position(|&f| f == frame)
+            .unwrap_or_else(|| {
+                self.frames.push(frame);
+                self.frames.len() - 1
+            })
     }
 }
 
@@ -253,7 +257,10 @@ impl Program {
         grid: Grid,
         near: &[Vec<f64>],
     ) -> Self {
-        let steps: Vec<usize> = phases.iter().map(|p| if grid == Grid::Motion { p.steps } else { 1 }).collect();
+        let steps: Vec<usize> = phases
+            .iter()
+            .map(|p| if grid == Grid::Motion { p.steps } else { 1 })
+            .collect();
         let n = steps.iter().sum::<usize>();
         let nv = system.model.nv;
         let mut builder = Builder {
@@ -303,14 +310,23 @@ impl Program {
 
     /// Node whose configuration node `t` has (the last node rests where its predecessor is).
     pub fn master_node(&self, t: usize) -> usize {
-        if self.grid == Grid::Motion && t == self.n_intervals() { t - 1 } else { t }
+        if self.grid == Grid::Motion && t == self.n_intervals() {
+            t - 1
+        } else {
+            t
+        }
     }
 }
 
 /// True if `contact` binds the geometry of interval `t`: it is active there, or was released at node t
 /// (formulation 2.19: at rest at the release too).
 fn binds(phases: &[Phase], program: &Program, contact: Contact, t: usize) -> bool {
-    let active = |t: usize| phases[program.phase_of(t)].state.contacts.contains(&contact);
+    let active = |t: usize| {
+        phases[program.phase_of(t)]
+            .state
+            .contacts
+            .contains(&contact)
+    };
     active(t) || (program.grid == Grid::Motion && t > 0 && active(t - 1))
 }
 
@@ -338,7 +354,11 @@ impl Builder<'_> {
                     };
                 }
             } else {
-                p.dynamics_scale[i] = if joint.torque_limit.is_finite() { joint.torque_limit.max(1e-3) } else { 50.0 };
+                p.dynamics_scale[i] = if joint.torque_limit.is_finite() {
+                    joint.torque_limit.max(1e-3)
+                } else {
+                    50.0
+                };
                 p.motion_weights[i] = (weights.velocity, weights.acceleration);
                 p.home[i] = self.scene.robot.home[i - system.model.joints[0].kind.nv()];
             }
@@ -360,11 +380,23 @@ impl Builder<'_> {
         for t in first_free..=last_free {
             p.nodes[t].var = Some(s.n_vars);
             for joint in &p.system.model.joints {
-                let margin = p.settings.margins.joint_range.min(0.1 * (joint.upper - joint.lower));
+                let margin = p
+                    .settings
+                    .margins
+                    .joint_range
+                    .min(0.1 * (joint.upper - joint.lower));
                 let bounded = joint.kind != JointKind::FreeFlyer;
                 for _ in 0..joint.kind.nv() {
-                    s.lower.push(if bounded { joint.lower + margin } else { f64::NEG_INFINITY });
-                    s.upper.push(if bounded { joint.upper - margin } else { f64::INFINITY });
+                    s.lower.push(if bounded {
+                        joint.lower + margin
+                    } else {
+                        f64::NEG_INFINITY
+                    });
+                    s.upper.push(if bounded {
+                        joint.upper - margin
+                    } else {
+                        f64::INFINITY
+                    });
                 }
             }
             s.n_vars += nv;
@@ -376,7 +408,11 @@ impl Builder<'_> {
             let i = &mut p.intervals[t];
             i.phase = phase_of[t];
             i.dynamics = motion;
-            (i.v, i.v_next) = if motion { (t > 0 && t < n - 1, t + 2 < n) } else { (true, false) };
+            (i.v, i.v_next) = if motion {
+                (t > 0 && t < n - 1, t + 2 < n)
+            } else {
+                (true, false)
+            };
         }
         s.elements = vec![ElementStructure::default(); n];
     }
@@ -384,11 +420,22 @@ impl Builder<'_> {
     fn costs(&mut self) {
         let p = &mut self.program;
         let w = p.settings.weights.clone();
-        let world = Carrier { body: crate::relative::Body::World, body_from_frame: Pose::identity() };
-        let base = Carrier { body: crate::relative::Body::Joint(0), body_from_frame: Pose::identity() };
-        p.frames.push(RelativeFrame::new(&p.system.model, base, world));
+        let world = Carrier {
+            body: crate::relative::Body::World,
+            body_from_frame: Pose::identity(),
+        };
+        let base = Carrier {
+            body: crate::relative::Body::Joint(0),
+            body_from_frame: Pose::identity(),
+        };
+        p.frames
+            .push(RelativeFrame::new(&p.system.model, base, world));
         self.keys.push((usize::MAX, usize::MAX));
-        let last = p.nodes.iter().rposition(|n| n.var.is_some()).map(|t| p.master_node(t));
+        let last = p
+            .nodes
+            .iter()
+            .rposition(|n| n.var.is_some())
+            .map(|t| p.master_node(t));
         for t in 0..p.nodes.len() {
             if p.nodes[t].var.is_none() || p.master_node(t) != t {
                 continue;
@@ -396,9 +443,17 @@ impl Builder<'_> {
             let is_last = last == Some(t);
             p.nodes[t].posture = if is_last { w.final_posture } else { w.posture };
             let slot = p.nodes[t].slot(0);
-            p.nodes[t].costs.push(NodeCost { slot, term: Arc::new(Tilt), weights: vec![w.tilt] });
+            p.nodes[t].costs.push(NodeCost {
+                slot,
+                term: Arc::new(Tilt),
+                weights: vec![w.tilt],
+            });
             if is_last && self.scene.objective == scene::Objective::BaseHeight {
-                p.nodes[t].costs.push(NodeCost { slot, term: Arc::new(Height), weights: vec![-w.height] });
+                p.nodes[t].costs.push(NodeCost {
+                    slot,
+                    term: Arc::new(Height),
+                    weights: vec![-w.height],
+                });
             }
         }
     }
@@ -425,14 +480,22 @@ impl Builder<'_> {
                 element.row_lower.push(-bound);
                 element.row_upper.push(bound);
                 self.labels[t].push(RowLabel {
-                    category: if free { "equations of motion" } else { "torque limit" },
+                    category: if free {
+                        "equations of motion"
+                    } else {
+                        "torque limit"
+                    },
                     subject: Subject::Coordinate(i),
                     scale: p.dynamics_scale[i],
                     unit: if free && k < 3 { "N" } else { "N m" },
                 });
             }
         }
-        p.structure.elements[t].blocks.push(BlockStructure { first_row: 0, n_rows: p.system.model.nv, cols: vec![] });
+        p.structure.elements[t].blocks.push(BlockStructure {
+            first_row: 0,
+            n_rows: p.system.model.nv,
+            cols: vec![],
+        });
     }
 
     fn velocity_limits(&mut self, t: usize) {
@@ -445,11 +508,19 @@ impl Builder<'_> {
         p.intervals[t].velocity_rows = Some(element.n_rows());
         p.intervals[t].velocity_block = element.blocks.len();
         for joint in p.system.actuated() {
-            let limit = if joint.velocity_limit.is_finite() { share } else { f64::INFINITY };
+            let limit = if joint.velocity_limit.is_finite() {
+                share
+            } else {
+                f64::INFINITY
+            };
             let first_row = element.n_rows();
             element.row_lower.push(-limit);
             element.row_upper.push(limit);
-            element.blocks.push(BlockStructure { first_row, n_rows: 1, cols: vec![] });
+            element.blocks.push(BlockStructure {
+                first_row,
+                n_rows: 1,
+                cols: vec![],
+            });
             self.labels[t].push(RowLabel {
                 category: "joint velocity",
                 subject: Subject::Coordinate(joint.idx_v),
@@ -467,7 +538,9 @@ impl Builder<'_> {
         }
         let carrier = |i: usize| {
             let interface = &self.scene.interfaces[i];
-            self.program.system.carrier(interface.owner, &interface.body_from_interface)
+            self.program
+                .system
+                .carrier(interface.owner, &interface.body_from_interface)
         };
         let frame = RelativeFrame::new(&self.program.system.model, carrier(key.0), carrier(key.1));
         self.keys.push(key);
@@ -480,7 +553,15 @@ impl Builder<'_> {
         let p = &self.program;
         let mut all: Vec<Contact> = Vec::new();
         for k in 0..phases.len() {
-            all.extend(phases[k].state.contacts.iter().filter(|c| !all.contains(c)).copied().collect::<Vec<_>>());
+            all.extend(
+                phases[k]
+                    .state
+                    .contacts
+                    .iter()
+                    .filter(|c| !all.contains(c))
+                    .copied()
+                    .collect::<Vec<_>>(),
+            );
         }
         let n = p.n_intervals();
         let keyframes = p.grid == Grid::Keyframes;
@@ -499,7 +580,9 @@ impl Builder<'_> {
             if here && p.nodes[t + 1].var.is_some() && (keyframes || p.intervals[t].v) {
                 let slot_a = p.nodes[t].slot(frame);
                 let slot_b = p.nodes[t + 1].slot(frame);
-                let place = Arc::new(Place { yaw: contact.kind.is_patch() });
+                let place = Arc::new(Place {
+                    yaw: contact.kind.is_patch(),
+                });
                 let element = &mut p.structure.elements[t];
                 let (first_row, block) = (element.n_rows(), element.blocks.len());
                 for _ in 0..place.n_rows() {
@@ -507,14 +590,27 @@ impl Builder<'_> {
                     element.row_upper.push(0.0);
                     self.labels[t].push(label("contact slip", Subject::Contact(contact), 1.0, "m"));
                 }
-                element.blocks.push(BlockStructure { first_row, n_rows: place.n_rows(), cols: vec![] });
-                p.intervals[t].sticks.push(Stick { slot_a, slot_b, place, first_row, block });
+                element.blocks.push(BlockStructure {
+                    first_row,
+                    n_rows: place.n_rows(),
+                    cols: vec![],
+                });
+                p.intervals[t].sticks.push(Stick {
+                    slot_a,
+                    slot_b,
+                    place,
+                    first_row,
+                    block,
+                });
             }
         }
     }
 
     fn contact_rows(&mut self, element: usize, node: usize, contact: Contact, frame: usize) {
-        let (a, b) = (&self.scene.interfaces[contact.a.0], &self.scene.interfaces[contact.b.0]);
+        let (a, b) = (
+            &self.scene.interfaces[contact.a.0],
+            &self.scene.interfaces[contact.b.0],
+        );
         let mut terms: Vec<Arc<dyn PoseTerm>> = vec![Arc::new(Height)];
         if contact.kind.is_patch() {
             terms.push(Arc::new(Alignment));
@@ -523,19 +619,39 @@ impl Builder<'_> {
         }
         if let Some(half_b) = b.half_size {
             let margin = self.program.settings.margins.bounds;
-            let half_a = if b.overhang || !contact.kind.is_patch() { [0.0; 2] } else { a.half_size.unwrap_or([0.0; 2]) };
+            let half_a = if b.overhang || !contact.kind.is_patch() {
+                [0.0; 2]
+            } else {
+                a.half_size.unwrap_or([0.0; 2])
+            };
             let margin = |i: usize| margin.min(0.5 * (half_b[i] - half_a[i]).max(0.0));
-            terms.push(Arc::new(Bounds { half_a, half_b: [half_b[0] - margin(0), half_b[1] - margin(1)] }));
+            terms.push(Arc::new(Bounds {
+                half_a,
+                half_b: [half_b[0] - margin(0), half_b[1] - margin(1)],
+            }));
         }
         for term in terms {
             let category = term.name();
             let unit = term.unit();
-            self.node_term(element, node, frame, term, label(category, Subject::Contact(contact), 1.0, unit));
+            self.node_term(
+                element,
+                node,
+                frame,
+                term,
+                label(category, Subject::Contact(contact), 1.0, unit),
+            );
         }
     }
 
     /// Adds rows of a pose term at a node to an element.
-    fn node_term(&mut self, element: usize, node: usize, frame: usize, term: Arc<dyn PoseTerm>, label: RowLabel) {
+    fn node_term(
+        &mut self,
+        element: usize,
+        node: usize,
+        frame: usize,
+        term: Arc<dyn PoseTerm>,
+        label: RowLabel,
+    ) {
         let p = &mut self.program;
         let bounds = term.bounds();
         let slot = p.nodes[node].slot(frame);
@@ -546,8 +662,18 @@ impl Builder<'_> {
             e.row_upper.push(u);
             self.labels[element].push(label.clone());
         }
-        e.blocks.push(BlockStructure { first_row, n_rows, cols: vec![] });
-        p.nodes[node].terms.push(NodeTerm { slot, term, first_row, n_rows, block });
+        e.blocks.push(BlockStructure {
+            first_row,
+            n_rows,
+            cols: vec![],
+        });
+        p.nodes[node].terms.push(NodeTerm {
+            slot,
+            term,
+            first_row,
+            n_rows,
+            block,
+        });
     }
 
     fn forces(&mut self, t: usize, phases: &[Phase]) {
@@ -555,15 +681,27 @@ impl Builder<'_> {
             return;
         }
         let phase = &phases[self.program.phase_of(t)];
-        let feet = phase.state.contacts.iter().filter(|c| self.scene.interfaces[c.a.0].role == Role::Foot).count();
+        let feet = phase
+            .state
+            .contacts
+            .iter()
+            .filter(|c| self.scene.interfaces[c.a.0].role == Role::Foot)
+            .count();
         for &contact in &phase.state.contacts {
             let frame = self.contact_frame(contact);
-            let (a, b) = (&self.scene.interfaces[contact.a.0], &self.scene.interfaces[contact.b.0]);
+            let (a, b) = (
+                &self.scene.interfaces[contact.a.0],
+                &self.scene.interfaces[contact.b.0],
+            );
             let g = self.scene.gravity.norm();
             let max_force = a.max_force.min(b.max_force);
             let (force, load) = match a.owner {
                 Owner::Robot { .. } => {
-                    let load = if a.role == Role::Foot { self.program.system.robot_mass * g / feet as f64 } else { 0.0 };
+                    let load = if a.role == Role::Foot {
+                        self.program.system.robot_mass * g / feet as f64
+                    } else {
+                        0.0
+                    };
                     (a.max_force / 6.0, load)
                 }
                 Owner::Object(o) => {
@@ -572,33 +710,63 @@ impl Builder<'_> {
                 }
                 Owner::Static(_) => (10.0, 0.0),
             };
-            let force = if force.is_finite() { force } else { self.program.system.robot_mass * g / 3.0 };
+            let force = if force.is_finite() {
+                force
+            } else {
+                self.program.system.robot_mass * g / 3.0
+            };
             let moment = 0.1 * force;
             let margins = &self.program.settings.margins;
-            let (mu, mu_r) = (a.mu.min(b.mu) * margins.friction, a.mu_r.min(b.mu_r) * margins.friction);
+            let (mu, mu_r) = (
+                a.mu.min(b.mu) * margins.friction,
+                a.mu_r.min(b.mu_r) * margins.friction,
+            );
             let epsilon = 0.01 * force;
             let mut terms: Vec<Arc<dyn ForceTerm>> = Vec::new();
             match contact.kind {
                 ContactType::UnilateralPatch => {
-                    terms.push(Arc::new(Friction { mu, epsilon, scale: force }));
+                    terms.push(Arc::new(Friction {
+                        mu,
+                        epsilon,
+                        scale: force,
+                    }));
                     terms.push(Arc::new(Torsion::new(mu_r, moment)));
                     if let Some([x, y]) = a.half_size {
-                        terms.push(Arc::new(Pressure::new([x * margins.pressure, y * margins.pressure], moment)));
+                        terms.push(Arc::new(Pressure::new(
+                            [x * margins.pressure, y * margins.pressure],
+                            moment,
+                        )));
                     }
                     if let (true, Some([x, y])) = (b.overhang, b.half_size) {
                         let half_size = [x * margins.pressure, y * margins.pressure];
-                        terms.push(Arc::new(SupportPressure { half_size, scale: moment }));
+                        terms.push(Arc::new(SupportPressure {
+                            half_size,
+                            scale: moment,
+                        }));
                     }
                 }
                 ContactType::BilateralPatch => {
-                    terms.push(Arc::new(Grasp { max_force, max_moment: Some(a.max_moment.min(b.max_moment)) }));
+                    terms.push(Arc::new(Grasp {
+                        max_force,
+                        max_moment: Some(a.max_moment.min(b.max_moment)),
+                    }));
                 }
-                ContactType::UnilateralPoint => terms.push(Arc::new(PointFriction { mu, epsilon, scale: force })),
-                ContactType::BilateralPoint => terms.push(Arc::new(Grasp { max_force, max_moment: None })),
+                ContactType::UnilateralPoint => terms.push(Arc::new(PointFriction {
+                    mu,
+                    epsilon,
+                    scale: force,
+                })),
+                ContactType::BilateralPoint => terms.push(Arc::new(Grasp {
+                    max_force,
+                    max_moment: None,
+                })),
             }
             let p = &mut self.program;
             let interval = &mut p.intervals[t];
-            let (first, n) = (interval.n_wrench, if contact.kind.is_patch() { 6 } else { 3 });
+            let (first, n) = (
+                interval.n_wrench,
+                if contact.kind.is_patch() { 6 } else { 3 },
+            );
             interval.n_wrench += n;
             if first == 0 {
                 interval.wrench_var = p.structure.n_vars;
@@ -606,29 +774,64 @@ impl Builder<'_> {
             p.structure.n_vars += n;
             for i in 0..n {
                 let normal = i == 2 && contact.kind == ContactType::UnilateralPatch;
-                let limit = if max_force.is_finite() && i < 3 { max_force / force } else { f64::INFINITY };
-                p.structure.lower.push(if i < 3 { -limit } else { f64::NEG_INFINITY });
-                p.structure.upper.push(if normal { 0.0 } else if i < 3 { limit } else { f64::INFINITY });
+                let limit = if max_force.is_finite() && i < 3 {
+                    max_force / force
+                } else {
+                    f64::INFINITY
+                };
+                p.structure
+                    .lower
+                    .push(if i < 3 { -limit } else { f64::NEG_INFINITY });
+                p.structure.upper.push(if normal {
+                    0.0
+                } else if i < 3 {
+                    limit
+                } else {
+                    f64::INFINITY
+                });
             }
             let slot = p.nodes[t].slot(frame);
             let element = &mut p.structure.elements[t];
             let mut rows = Vec::new();
             for term in terms {
                 let bounds = term.bounds();
-                let (first_row, block, n_rows) = (element.n_rows(), element.blocks.len(), bounds.len());
+                let (first_row, block, n_rows) =
+                    (element.n_rows(), element.blocks.len(), bounds.len());
                 for (l, u) in bounds {
                     element.row_lower.push(l);
                     element.row_upper.push(u);
-                    let (scale, unit) = if term.name() == "friction cone" { (force, "N") } else { (moment, "N m") };
+                    let (scale, unit) = if term.name() == "friction cone" {
+                        (force, "N")
+                    } else {
+                        (moment, "N m")
+                    };
                     self.labels[t].push(label(term.name(), Subject::Contact(contact), scale, unit));
                 }
-                element.blocks.push(BlockStructure { first_row, n_rows, cols: vec![] });
-                rows.push(ForceRows { term, first_row, n_rows, block });
+                element.blocks.push(BlockStructure {
+                    first_row,
+                    n_rows,
+                    cols: vec![],
+                });
+                rows.push(ForceRows {
+                    term,
+                    first_row,
+                    n_rows,
+                    block,
+                });
             }
             let mut scale = [force; 6];
             scale[3..].fill(moment);
             let reference = [0.0, 0.0, -load / force, 0.0, 0.0, 0.0];
-            interval.forces.push(Force { contact, slot, frame, first, n, scale, reference, rows });
+            interval.forces.push(Force {
+                contact,
+                slot,
+                frame,
+                first,
+                n,
+                scale,
+                reference,
+                rows,
+            });
         }
     }
 
@@ -637,13 +840,29 @@ impl Builder<'_> {
         let node = self.program.master_node(n);
         let element = node.min(n - 1);
         for region in &self.scene.goal_regions {
-            let Some(body) = goal_body(self.scene, &self.program.system, &region.body) else { continue };
-            let world = Carrier { body: crate::relative::Body::World, body_from_frame: Pose::identity() };
+            let Some(body) = goal_body(self.scene, &self.program.system, &region.body) else {
+                continue;
+            };
+            let world = Carrier {
+                body: crate::relative::Body::World,
+                body_from_frame: Pose::identity(),
+            };
             let frame = self.program.frames.len();
-            self.program.frames.push(RelativeFrame::new(&self.program.system.model, body, world));
+            self.program
+                .frames
+                .push(RelativeFrame::new(&self.program.system.model, body, world));
             self.keys.push((usize::MAX, frame));
-            let term = Arc::new(Region { lower: region.lower, upper: region.upper });
-            self.node_term(element, node, frame, term, label("goal region", Subject::Goal, 1.0, "m"));
+            let term = Arc::new(Region {
+                lower: region.lower,
+                upper: region.upper,
+            });
+            self.node_term(
+                element,
+                node,
+                frame,
+                term,
+                label("goal region", Subject::Goal, 1.0, "m"),
+            );
         }
     }
 
@@ -652,16 +871,25 @@ impl Builder<'_> {
         let paper = self.program.settings.preset == Preset::Paper;
         let pairs = collisions.pairs(&self.program, self.scene, phases, near);
         for pair in pairs {
-            let key = (usize::MAX - 1 - pair.a, pair.b.map_or(usize::MAX, |b| usize::MAX - 1 - b));
+            let key = (
+                usize::MAX - 1 - pair.a,
+                pair.b.map_or(usize::MAX, |b| usize::MAX - 1 - b),
+            );
             let frame = self.keys.iter().position(|k| *k == key).unwrap_or_else(|| {
-                self.program.frames.push(collisions.frame(&self.program.system, pair.a, pair.b));
+                self.program
+                    .frames
+                    .push(collisions.frame(&self.program.system, pair.a, pair.b));
                 self.keys.push(key);
                 self.keys.len() - 1
             });
             if paper {
                 let slot = self.program.nodes[pair.node].slot(frame);
                 let weights = vec![self.program.settings.weights.penalty];
-                self.program.nodes[pair.node].costs.push(NodeCost { slot, term: pair.term, weights });
+                self.program.nodes[pair.node].costs.push(NodeCost {
+                    slot,
+                    term: pair.term,
+                    weights,
+                });
             } else {
                 let label = label("clearance", Subject::Pair(pair.a, pair.b), 1.0, "m");
                 self.node_term(pair.node.min(n - 1), pair.node, frame, pair.term, label);
@@ -697,7 +925,11 @@ impl Builder<'_> {
             };
             i.a = place(p.nodes[t].var, true);
             i.b = place(p.nodes[t + 1].var, i.v || i.v_next);
-            i.c = if i.v_next { place(p.nodes[t + 2].var, true) } else { None };
+            i.c = if i.v_next {
+                place(p.nodes[t + 2].var, true)
+            } else {
+                None
+            };
             if motion && (i.v || i.v_next) {
                 i.time = Some(vars.len());
                 vars.push(p.duration_var + i.phase);
@@ -722,14 +954,22 @@ impl Builder<'_> {
             }
             if i.velocity_rows.is_some() {
                 for (k, joint) in p.system.actuated().enumerate() {
-                    let nodes = [i.a, i.b].into_iter().flatten().map(|first| first + joint.idx_v);
+                    let nodes = [i.a, i.b]
+                        .into_iter()
+                        .flatten()
+                        .map(|first| first + joint.idx_v);
                     e.blocks[i.velocity_block + k].cols = nodes.chain(i.time).collect();
                 }
             }
-            let at = |first: usize, frame: usize| p.frames[frame].cols.iter().map(move |c| first + c);
+            let at =
+                |first: usize, frame: usize| p.frames[frame].cols.iter().map(move |c| first + c);
             for stick in &i.sticks {
                 let frame = p.nodes[t].frames[stick.slot_a];
-                let cols = [i.a, i.b].into_iter().flatten().flat_map(|first| at(first, frame)).collect();
+                let cols = [i.a, i.b]
+                    .into_iter()
+                    .flatten()
+                    .flat_map(|first| at(first, frame))
+                    .collect();
                 e.blocks[stick.block].cols = cols;
             }
             for force in &i.forces {
@@ -742,12 +982,15 @@ impl Builder<'_> {
                 }
             }
             for node in t..=(t + 1).min(n) {
-                let Some(first) = (if node == t { i.a } else { i.b }) else { continue };
+                let Some(first) = (if node == t { i.a } else { i.b }) else {
+                    continue;
+                };
                 if node == t + 1 && (motion || node != n) {
                     continue;
                 }
                 for term in &p.nodes[node].terms {
-                    e.blocks[term.block].cols = at(first, p.nodes[node].frames[term.slot]).collect();
+                    e.blocks[term.block].cols =
+                        at(first, p.nodes[node].frames[term.slot]).collect();
                 }
             }
         }
@@ -760,13 +1003,21 @@ fn phase_of_next(steps: &[usize], phase: usize, t: usize) -> usize {
 }
 
 fn label(category: &'static str, subject: Subject, scale: f64, unit: &'static str) -> RowLabel {
-    RowLabel { category, subject, scale, unit }
+    RowLabel {
+        category,
+        subject,
+        scale,
+        unit,
+    }
 }
 
 /// The frame of a body that a goal names: "base", an object, a robot link or an interface.
 pub fn goal_body(scene: &Scene, system: &System, name: &str) -> Option<Carrier> {
     if name == "base" {
-        return Some(Carrier { body: crate::relative::Body::Joint(0), body_from_frame: Pose::identity() });
+        return Some(Carrier {
+            body: crate::relative::Body::Joint(0),
+            body_from_frame: Pose::identity(),
+        });
     }
     if let Some(o) = scene.objects.iter().position(|o| o.name == name) {
         return Some(system.carrier(Owner::Object(o), &Pose::identity()));

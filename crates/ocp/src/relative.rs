@@ -89,8 +89,19 @@ impl RelativeFrame {
             }
         };
         let (chain_a, chain_b) = (chain(a.body), chain(b.body));
-        let common = chain_a.iter().zip(&chain_b).take_while(|(x, y)| x == y).count();
-        let mut frame = Self { a, b, cols: vec![], groups: vec![], group_of: vec![], n_reversed: 0 };
+        let common = chain_a
+            .iter()
+            .zip(&chain_b)
+            .take_while(|(x, y)| x == y)
+            .count();
+        let mut frame = Self {
+            a,
+            b,
+            cols: vec![],
+            groups: vec![],
+            group_of: vec![],
+            n_reversed: 0,
+        };
         for group in chain_b[common..].iter().rev() {
             frame.push(group, group.len() > 1);
         }
@@ -102,14 +113,22 @@ impl RelativeFrame {
     }
 
     fn push(&mut self, group: &[usize], own: bool) {
-        self.group_of.extend(group.iter().map(|_| self.groups.len()));
-        self.groups.push(Group { first: self.cols.len(), count: group.len(), own });
+        self.group_of
+            .extend(group.iter().map(|_| self.groups.len()));
+        self.groups.push(Group {
+            first: self.cols.len(),
+            count: group.len(),
+            own,
+        });
         self.cols.extend(group);
     }
 
     /// Buffers for [`RelativeFrame::update`].
     pub fn relative(&self) -> Relative {
-        Relative { b_from_a: Pose::identity(), columns: vec![Vector6::repeat(f64::NAN); self.cols.len()] }
+        Relative {
+            b_from_a: Pose::identity(),
+            columns: vec![Vector6::repeat(f64::NAN); self.cols.len()],
+        }
     }
 
     /// Pose and columns at a configuration.
@@ -127,7 +146,9 @@ impl RelativeFrame {
             let (v, w) = (in_world.fixed_rows::<3>(0), in_world.fixed_rows::<3>(3));
             let linear = r.tr_mul(&(v + w.cross(&p))) * sign;
             let angular = r.tr_mul(&w) * sign;
-            *column = Vector6::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z);
+            *column = Vector6::new(
+                linear.x, linear.y, linear.z, angular.x, angular.y, angular.z,
+            );
         }
     }
 
@@ -148,7 +169,15 @@ impl RelativeFrame {
             let bracket = h + bracket_transpose(first, gradient) * 0.5;
             for k in l..self.cols.len() {
                 let same = self.group_of[k] == self.group_of[l];
-                add(k, l, if same { h.dot(&relative.columns[k]) } else { bracket.dot(&relative.columns[k]) });
+                add(
+                    k,
+                    l,
+                    if same {
+                        h.dot(&relative.columns[k])
+                    } else {
+                        bracket.dot(&relative.columns[k])
+                    },
+                );
             }
         }
     }
@@ -156,7 +185,11 @@ impl RelativeFrame {
     /// The columns before column `l` in the product, those of its own exponential included if it moves itself.
     fn end_of_predecessors(&self, l: usize) -> usize {
         let group = self.groups[self.group_of[l]];
-        if group.own { group.first + group.count } else { group.first }
+        if group.own {
+            group.first + group.count
+        } else {
+            group.first
+        }
     }
 
     /// ∂(J_kᵀ λ)/∂δ_l = λᵀ[J_k, J_l] for every k that precedes l: calls `add(k, l, value)`.
@@ -219,7 +252,9 @@ fn bracket(x: &Vector6<f64>, y: &Vector6<f64>) -> Vector6<f64> {
     let (vy, wy) = (y.fixed_rows::<3>(0), y.fixed_rows::<3>(3));
     let linear = wx.cross(&vy) + vx.cross(&wy);
     let angular = wx.cross(&wy);
-    Vector6::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
+    Vector6::new(
+        linear.x, linear.y, linear.z, angular.x, angular.y, angular.z,
+    )
 }
 
 /// ad(x)ᵀ g, so that gᵀ[x, y] = (ad(x)ᵀ g)·y.
@@ -230,5 +265,7 @@ fn bracket_transpose(x: &Vector6<f64>, g: &Vector6<f64>) -> Vector6<f64> {
     // g·[x, y] = f·(w × y_v) + f·(v × y_w) + n·(w × y_w)
     let linear = f.cross(&w);
     let angular = f.cross(&v) + n.cross(&w);
-    Vector6::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
+    Vector6::new(
+        linear.x, linear.y, linear.z, angular.x, angular.y, angular.z,
+    )
 }

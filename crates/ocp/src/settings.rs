@@ -139,7 +139,11 @@ impl Settings {
             max_duration: options.max_duration,
             torque_limits: options.torque_limits,
             weights: Weights::default(),
-            margins: if preset == Preset::Default { Margins::executable() } else { Margins::none() },
+            margins: if preset == Preset::Default {
+                Margins::executable()
+            } else {
+                Margins::none()
+            },
             max_iterations: options.max_iterations,
         }
     }

@@ -38,7 +38,11 @@ impl System {
                 kind: JointKind::FreeFlyer,
                 parent: None,
                 parent_from_joint: Pose::identity(),
-                inertia: Inertia { mass: object.mass, com: Vector3::zeros(), inertia: object.inertia },
+                inertia: Inertia {
+                    mass: object.mass,
+                    com: Vector3::zeros(),
+                    inertia: object.inertia,
+                },
                 idx_q: 0,
                 idx_v: 0,
                 lower: f64::NEG_INFINITY,
@@ -79,12 +83,19 @@ impl System {
             Owner::Robot { frame } => {
                 let frame = &self.model.frames[frame];
                 let body_from_frame = frame.joint_from_frame * *body_from_interface;
-                Carrier { body: frame.joint.map_or(Body::World, Body::Joint), body_from_frame }
+                Carrier {
+                    body: frame.joint.map_or(Body::World, Body::Joint),
+                    body_from_frame,
+                }
             }
-            Owner::Object(o) => {
-                Carrier { body: Body::Joint(self.object_joint(o)), body_from_frame: *body_from_interface }
-            }
-            Owner::Static(_) => Carrier { body: Body::World, body_from_frame: *body_from_interface },
+            Owner::Object(o) => Carrier {
+                body: Body::Joint(self.object_joint(o)),
+                body_from_frame: *body_from_interface,
+            },
+            Owner::Static(_) => Carrier {
+                body: Body::World,
+                body_from_frame: *body_from_interface,
+            },
         }
     }
 
@@ -99,11 +110,18 @@ impl System {
 
     /// First velocity index of each floating body.
     pub fn floating(&self) -> Vec<usize> {
-        self.model.joints.iter().filter(|j| j.kind == JointKind::FreeFlyer).map(|j| j.idx_v).collect()
+        self.model
+            .joints
+            .iter()
+            .filter(|j| j.kind == JointKind::FreeFlyer)
+            .map(|j| j.idx_v)
+            .collect()
     }
 
     /// Robot joints with one degree of freedom, in the order of the model.
     pub fn actuated(&self) -> impl Iterator<Item = &Joint> {
-        self.model.joints[..self.n_robot_joints].iter().filter(|j| j.kind != JointKind::FreeFlyer)
+        self.model.joints[..self.n_robot_joints]
+            .iter()
+            .filter(|j| j.kind != JointKind::FreeFlyer)
     }
 }

@@ -17,6 +17,15 @@ use crate::{ElementData, Iteration, Options, Problem, Report, Status, Structure,
 /// Bound on one component of a step at most this far, in scaled units; guards wild first steps.
 const MAX_SHIFT: f64 = 1e12;
 const FIRST_SHIFT: f64 = 1e-4;
+/// Shift from which on the curvature of the rows is dropped instead (Gauss–Newton).
+const GN_SHIFT: f64 = 1.0;
+/// Share of the distance by which relaxed bounds of violated rows move to their true place per iteration.
+const TIGHTENING: f64 = 0.25;
+/// Share of the row violation that a step is asked to remove: at first, and at least.
+const FIRST_DAMPING: f64 = 0.25;
+const MIN_DAMPING: f64 = 0.1;
+/// Violation below which steps ask for all of it.
+const FULL_STEP: f64 = 1e-3;
 /// Trial points of one line search.
 const MAX_TRIALS: usize = 12;
 
@@ -33,7 +42,10 @@ struct State {
     vars: Bounded,
     slacks: Bounded,
     equality: Vec<bool>,
+    goal_lower: Vec<f64>,
+    goal_upper: Vec<f64>,
     y: Vec<f64>,
+    damping: f64,
     mu: f64,
     monotone: bool,
     last_shift: f64,
@@ -111,6 +123,7 @@ impl<P: Problem> InteriorPoint<P> {
             shift: 0.0,
             trials: 0,
         };
+        let zeros = vec![0.0; m];
         let mut factorisations = 0;
         let mut status = Status::IterationLimit;
         let mut errors = Errors::default();
@@ -172,6 +185,7 @@ impl<P: Problem> InteriorPoint<P> {
             }
             let clock = Instant::now();
             let mut shift = forced_shift;
+            let mut gauss_newton = false;
             loop {
                 for i in 0..n {
                     diag_x[i] = state.vars.sigma(i) + shift;
@@ -188,6 +202,12 @@ impl<P: Problem> InteriorPoint<P> {
                     .is_ok()
                 {
                     break;
+                }
+                if !gauss_newton && shift >= GN_SHIFT.max(forced_shift) {
+                    problem.linearise(x, &zeros, &mut self.data);
+                    gauss_newton = true;
+                    shift = forced_shift;
+                    continue;
                 }
                 shift = if shift > 0.0 {
                     shift * if state.last_shift == 0.0 { 100.0 } else { 8.0 }
@@ -208,7 +228,7 @@ impl<P: Problem> InteriorPoint<P> {
             if shift > 0.0 {
                 state.last_shift = shift;
             }
-            line.shift = shift;
+            line.shift = if gauss_newton { -1.0 - shift } else { shift };
             let diagonals = Diagonals {
                 variables: &diag_x,
                 rows: &diag_y,
@@ -225,7 +245,13 @@ impl<P: Problem> InteriorPoint<P> {
                 &mut direction.dx,
                 &mut direction.dy,
             );
-            self.slack_steps(&structure, &state, &rows, &mut direction);
+            self.slack_steps(
+                &structure,
+                &state,
+                &residual_y,
+                options.row_regularisation,
+                &mut direction,
+            );
             timing.solve += clock.elapsed();
 
             // Line search on the filter.
@@ -281,23 +307,13 @@ impl<P: Problem> InteriorPoint<P> {
                         &mut second.dx,
                         &mut second.dy,
                     );
-                    // ds from the corrected rows: J dx + (α c + c_trial).
-                    let c: Vec<f64> = (0..m)
-                        .map(|i| corrected[i] - residual_y[i] + rows[i] - state.slacks.value[i])
-                        .collect();
-                    second.ds.copy_from_slice(&c);
-                    jacobian_multiply(
+                    self.slack_steps(
                         &structure,
-                        &self.data,
-                        self.kkt.first_row(),
-                        &second.dx,
-                        &mut second.ds,
+                        &state,
+                        &corrected,
+                        options.row_regularisation,
+                        &mut second,
                     );
-                    for i in 0..m {
-                        if state.equality[i] {
-                            second.ds[i] = 0.0;
-                        }
-                    }
                     timing.solve += clock.elapsed();
                     let (p1, _) = state.vars.longest_steps(&second.dx, state.mu, tau);
                     let (p2, _) = state.slacks.longest_steps(&second.ds, state.mu, tau);
@@ -350,9 +366,45 @@ impl<P: Problem> InteriorPoint<P> {
                 state.slacks.value[i] += alpha * direction.ds[i];
                 state.y[i] += alpha * direction.dy[i];
             }
+            for i in 0..m {
+                if !state.equality[i] {
+                    let (l, u, v) = (
+                        state.slacks.lower[i],
+                        state.slacks.upper[i],
+                        state.slacks.value[i],
+                    );
+                    if l < state.goal_lower[i] {
+                        let full = state.goal_lower[i] - l;
+                        let new = if full < 1e-3 {
+                            state.goal_lower[i]
+                        } else {
+                            l + TIGHTENING * full
+                        };
+                        state.slacks.lower[i] = new;
+                        state.slacks.value[i] = v.max(new + (v - l).min(0.01));
+                    }
+                    if u > state.goal_upper[i] {
+                        let full = u - state.goal_upper[i];
+                        let new = if full < 1e-3 {
+                            state.goal_upper[i]
+                        } else {
+                            u - TIGHTENING * full
+                        };
+                        state.slacks.upper[i] = new;
+                        state.slacks.value[i] = v.min(new - (u - v).min(0.01));
+                    }
+                }
+            }
             state.vars.safeguard(state.mu);
             state.slacks.safeguard(state.mu);
             line.step = alpha;
+            if errors.violation < FULL_STEP {
+                state.damping = 1.0;
+            } else if alpha < 0.3 {
+                state.damping = (0.7 * state.damping).max(MIN_DAMPING);
+            } else if alpha > 0.5 {
+                state.damping = (2.0 * state.damping).min(1.0);
+            }
         }
         if status != Status::Solved
             && let Some((violation, point, y)) = best
@@ -424,8 +476,8 @@ impl<P: Problem> InteriorPoint<P> {
                 slacks.lower[i] = f64::NEG_INFINITY;
                 slacks.upper[i] = f64::INFINITY;
             } else {
-                slacks.value[i] =
-                    push_inside(slacks.value[i], lower[i], upper[i], options.bound_push);
+                slacks.lower[i] = lower[i].min(slacks.value[i] - options.bound_push);
+                slacks.upper[i] = upper[i].max(slacks.value[i] + options.bound_push);
             }
         }
         let mu = options.initial_barrier;
@@ -440,7 +492,10 @@ impl<P: Problem> InteriorPoint<P> {
             vars,
             slacks,
             equality,
+            goal_lower: lower,
+            goal_upper: upper,
             y,
+            damping: FIRST_DAMPING,
             mu,
             monotone: false,
             last_shift: 0.0,
@@ -483,8 +538,8 @@ impl<P: Problem> InteriorPoint<P> {
             let real = if state.equality[i] {
                 c.abs()
             } else {
-                (state.slacks.lower[i] - rows[i])
-                    .max(rows[i] - state.slacks.upper[i])
+                (state.goal_lower[i] - rows[i])
+                    .max(rows[i] - state.goal_upper[i])
                     .max(0.0)
             };
             violation = violation.max(real);
@@ -567,7 +622,7 @@ impl<P: Problem> InteriorPoint<P> {
             *r += state.vars.barrier_gradient(i, state.mu);
         }
         for i in 0..rows.len() {
-            residual_y[i] = rows[i] - state.slacks.value[i];
+            residual_y[i] = (rows[i] - state.slacks.value[i]) * state.damping;
             if !state.equality[i] {
                 let b = state.y[i] - state.slacks.barrier_gradient(i, state.mu);
                 residual_y[i] -= b / state.slacks.sigma(i).max(1e-16);
@@ -575,22 +630,32 @@ impl<P: Problem> InteriorPoint<P> {
         }
     }
 
-    /// ds = J dx + c − s for inequality rows, zero for equalities.
+    /// Steps of the slacks, and multiplier steps made consistent with them to the last digit: with b = y − ∇barrier,
+    /// Σ ds − dy = b and J dx − ds = −c. Where Σ is large, an error of the row equation times Σ would spoil the
+    /// multiplier, so ds follows from dy there; elsewhere dy follows from ds.
     fn slack_steps(
         &self,
         structure: &Structure,
         state: &State,
-        rows: &[f64],
+        residual_y: &[f64],
+        delta: f64,
         direction: &mut Direction,
     ) {
-        let Direction { dx, ds, .. } = direction;
-        for i in 0..rows.len() {
-            ds[i] = rows[i] - state.slacks.value[i];
-        }
+        let Direction { dx, ds, dy } = direction;
+        ds.fill(0.0);
         jacobian_multiply(structure, &self.data, self.kkt.first_row(), dx, ds);
-        for i in 0..rows.len() {
+        for i in 0..ds.len() {
             if state.equality[i] {
                 ds[i] = 0.0;
+                continue;
+            }
+            let sigma = state.slacks.sigma(i).max(1e-16);
+            let b = state.y[i] - state.slacks.barrier_gradient(i, state.mu);
+            if sigma * delta > 1.0 {
+                ds[i] = (dy[i] + b) / sigma;
+            } else {
+                ds[i] += residual_y[i] + b / sigma;
+                dy[i] = sigma * ds[i] - b;
             }
         }
     }
@@ -652,5 +717,5 @@ fn stalled(history: &[f64], options: &Options) -> bool {
         .iter()
         .copied()
         .fold(f64::INFINITY, f64::min);
-    before > options.feasibility_tolerance * 10.0 && since > 0.9 * before
+    before > options.feasibility_tolerance * 10.0 && since > 0.9 * before && history.len() > 80
 }

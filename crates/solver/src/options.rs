@@ -34,7 +34,7 @@ impl Default for Options {
             feasibility_tolerance: 1e-7,
             dual_tolerance: 1e-4,
             complementarity_tolerance: 1e-4,
-            initial_barrier: 0.1,
+            initial_barrier: 5e-3,
             min_barrier: 1e-8,
             row_regularisation: 1e-7,
             refinements: 3,

@@ -37,7 +37,9 @@ impl PoseTerm for Bounds {
     fn values(&self, b_from_a: &Pose, out: &mut [f64]) {
         let (rot, r) = (b_from_a.rotation(), b_from_a.origin());
         for i in 0..2 {
-            let extent: f64 = (0..2).map(|j| rot[(i, j)].hypot(SMOOTHING) * self.half_a[j]).sum();
+            let extent: f64 = (0..2)
+                .map(|j| rot[(i, j)].hypot(SMOOTHING) * self.half_a[j])
+                .sum();
             out[2 * i] = self.half_b[i] - extent - r[i];
             out[2 * i + 1] = self.half_b[i] - extent + r[i];
         }

@@ -46,7 +46,13 @@ pub struct Distance {
 
 /// Value, gradient and Hessian of the smooth box distance at p.
 pub fn box_distance(p: &Vector3<f64>, half: &Vector3<f64>) -> (f64, Vector3<f64>, Matrix3<f64>) {
-    let faces: [f64; 6] = std::array::from_fn(|i| if i < 3 { p[i] - half[i] } else { -p[i - 3] - half[i - 3] });
+    let faces: [f64; 6] = std::array::from_fn(|i| {
+        if i < 3 {
+            p[i] - half[i]
+        } else {
+            -p[i - 3] - half[i - 3]
+        }
+    });
     let largest = faces.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let weights = faces.map(|d| ((d - largest) / SHARPNESS).exp());
     let sum: f64 = weights.iter().sum();
@@ -74,7 +80,11 @@ impl Distance {
     }
 
     /// Calls `row(index, centre of the ball in a, (distance, gradient, Hessian) by the centre in b)`.
-    fn for_each(&self, x: &Pose, mut row: impl FnMut(usize, &Vector3<f64>, (f64, Vector3<f64>, Matrix3<f64>))) {
+    fn for_each(
+        &self,
+        x: &Pose,
+        mut row: impl FnMut(usize, &Vector3<f64>, (f64, Vector3<f64>, Matrix3<f64>)),
+    ) {
         let mut i = 0;
         for (centre, radius) in &self.balls {
             let p = self.obstacle_from_b.act(x.act(*centre));
@@ -115,7 +125,9 @@ impl PoseTerm for Distance {
     }
     fn gradients(&self, b_from_a: &Pose, out: &mut [Vector6<f64>]) {
         let x = self.obstacle_from_b * *b_from_a;
-        self.for_each(b_from_a, |i, centre, (_, g, _)| out[i] = point_gradient(&x, centre, &g));
+        self.for_each(b_from_a, |i, centre, (_, g, _)| {
+            out[i] = point_gradient(&x, centre, &g)
+        });
     }
     fn hessian(&self, b_from_a: &Pose, weights: &[f64]) -> Matrix6<f64> {
         let x = self.obstacle_from_b * *b_from_a;

@@ -10,14 +10,23 @@ use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 use spatial::Pose;
 
 /// The cone of normal n (outward of b) around the force: value, gradient and Hessian by (f_x, f_y, f_n).
-pub fn cone(tangential: [f64; 2], normal: f64, mu: f64, epsilon: f64) -> (f64, Vector3<f64>, Matrix3<f64>) {
+pub fn cone(
+    tangential: [f64; 2],
+    normal: f64,
+    mu: f64,
+    epsilon: f64,
+) -> (f64, Vector3<f64>, Matrix3<f64>) {
     let [x, y] = tangential;
     let root = (x * x + y * y + mu * mu * normal * normal + epsilon * epsilon).sqrt();
     let scaled = Vector3::new(x, y, mu * mu * normal);
     let gradient = Vector3::new(0.0, 0.0, std::f64::consts::SQRT_2 * mu) - scaled / root;
-    let hessian =
-        scaled * scaled.transpose() / root.powi(3) - Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, mu * mu)) / root;
-    (std::f64::consts::SQRT_2 * mu * normal - root, gradient, hessian)
+    let hessian = scaled * scaled.transpose() / root.powi(3)
+        - Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, mu * mu)) / root;
+    (
+        std::f64::consts::SQRT_2 * mu * normal - root,
+        gradient,
+        hessian,
+    )
 }
 
 /// One row ≥ 0 [N / scale].
@@ -43,13 +52,18 @@ impl ForceTerm for Friction {
     }
     fn gradients(&self, _: &Pose, w: &Vector6<f64>, out: &mut [(Vector6<f64>, Vector6<f64>)]) {
         let g = cone([w[0], w[1]], -w[2], self.mu, self.epsilon).1 / self.scale;
-        out[0] = (Vector6::zeros(), Vector6::new(g.x, g.y, -g.z, 0.0, 0.0, 0.0));
+        out[0] = (
+            Vector6::zeros(),
+            Vector6::new(g.x, g.y, -g.z, 0.0, 0.0, 0.0),
+        );
     }
     fn hessian(&self, _: &Pose, w: &Vector6<f64>, weights: &[f64]) -> ForceHessian {
         let flip = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, -1.0));
         let h = cone([w[0], w[1]], -w[2], self.mu, self.epsilon).2 * (weights[0] / self.scale);
         let mut out = ForceHessian::zero();
-        out.wrench.fixed_view_mut::<3, 3>(0, 0).copy_from(&(flip * h * flip));
+        out.wrench
+            .fixed_view_mut::<3, 3>(0, 0)
+            .copy_from(&(flip * h * flip));
         out
     }
 }
@@ -62,7 +76,10 @@ pub(super) fn linear_rows(coefficients: &[Vector6<f64>], w: &Vector6<f64>, out: 
 }
 
 /// Gradients of rows that are linear in the wrench.
-pub(super) fn linear_gradients(coefficients: &[Vector6<f64>], out: &mut [(Vector6<f64>, Vector6<f64>)]) {
+pub(super) fn linear_gradients(
+    coefficients: &[Vector6<f64>],
+    out: &mut [(Vector6<f64>, Vector6<f64>)],
+) {
     for (o, c) in out.iter_mut().zip(coefficients) {
         *o = (Matrix6::zeros() * c, *c);
     }

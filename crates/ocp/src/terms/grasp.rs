@@ -36,7 +36,8 @@ impl ForceTerm for Grasp {
     fn gradients(&self, _: &Pose, w: &Vector6<f64>, out: &mut [(Vector6<f64>, Vector6<f64>)]) {
         for (o, (first, limit)) in out.iter_mut().zip(self.limits()) {
             let mut g = Vector6::zeros();
-            g.fixed_rows_mut::<3>(first).copy_from(&(w.fixed_rows::<3>(first) * (-2.0 / (limit * limit))));
+            g.fixed_rows_mut::<3>(first)
+                .copy_from(&(w.fixed_rows::<3>(first) * (-2.0 / (limit * limit))));
             *o = (Vector6::zeros(), g);
         }
     }
@@ -44,7 +45,9 @@ impl ForceTerm for Grasp {
         let mut out = ForceHessian::zero();
         for (weight, (first, limit)) in weights.iter().zip(self.limits()) {
             let block = Matrix3::identity() * (-2.0 * weight / (limit * limit));
-            out.wrench.fixed_view_mut::<3, 3>(first, first).copy_from(&block);
+            out.wrench
+                .fixed_view_mut::<3, 3>(first, first)
+                .copy_from(&block);
         }
         out
     }

@@ -54,7 +54,11 @@ pub struct ForceHessian {
 impl ForceHessian {
     /// All zero.
     pub fn zero() -> Self {
-        Self { pose: Matrix6::zeros(), mixed: Matrix6::zeros(), wrench: Matrix6::zeros() }
+        Self {
+            pose: Matrix6::zeros(),
+            mixed: Matrix6::zeros(),
+            wrench: Matrix6::zeros(),
+        }
     }
 }
 
@@ -71,7 +75,12 @@ pub trait ForceTerm: std::fmt::Debug + Send + Sync {
     /// Row values.
     fn values(&self, b_from_a: &Pose, wrench: &Vector6<f64>, out: &mut [f64]);
     /// Row gradients by (ξ, w).
-    fn gradients(&self, b_from_a: &Pose, wrench: &Vector6<f64>, out: &mut [(Vector6<f64>, Vector6<f64>)]);
+    fn gradients(
+        &self,
+        b_from_a: &Pose,
+        wrench: &Vector6<f64>,
+        out: &mut [(Vector6<f64>, Vector6<f64>)],
+    );
     /// Hessian of Σ weight · row.
     fn hessian(&self, b_from_a: &Pose, wrench: &Vector6<f64>, weights: &[f64]) -> ForceHessian;
 }

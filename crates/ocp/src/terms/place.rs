@@ -63,7 +63,11 @@ impl PoseTerm for Place {
         }
     }
     fn hessian(&self, b_from_a: &Pose, weights: &[f64]) -> Matrix6<f64> {
-        let mut h = point_hessian(b_from_a, &Vector3::zeros(), &Vector3::new(weights[0], weights[1], 0.0));
+        let mut h = point_hessian(
+            b_from_a,
+            &Vector3::zeros(),
+            &Vector3::new(weights[0], weights[1], 0.0),
+        );
         if self.yaw {
             let axis = b_from_a.rotation().column(0);
             let (x, y, s) = (axis.x, axis.y, flat_norm(b_from_a));

@@ -24,7 +24,10 @@ impl PointFriction {
         let f = x.rotate(w.fixed_rows::<3>(0).into_owned());
         let (v, g, h) = cone([f.x, f.y], f.z, self.mu, self.epsilon);
         let s = self.scale;
-        [(v / s, g / s, h / s), (f.z / s, Vector3::z() / s, Matrix3::zeros())]
+        [
+            (v / s, g / s, h / s),
+            (f.z / s, Vector3::z() / s, Matrix3::zeros()),
+        ]
     }
 }
 

@@ -7,7 +7,9 @@ use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 use spatial::{Pose, skew};
 
 fn stack(linear: Vector3<f64>, angular: Vector3<f64>) -> Vector6<f64> {
-    Vector6::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
+    Vector6::new(
+        linear.x, linear.y, linear.z, angular.x, angular.y, angular.z,
+    )
 }
 
 /// Gradient of u·(X ℓ): the point ℓ of a, along u in b.

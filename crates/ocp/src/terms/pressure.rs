@@ -24,7 +24,14 @@ impl Pressure {
             c
         };
         let [x, y] = half_size;
-        Self { coefficients: [row(y, 3, -1.0), row(y, 3, 1.0), row(x, 4, -1.0), row(x, 4, 1.0)] }
+        Self {
+            coefficients: [
+                row(y, 3, -1.0),
+                row(y, 3, 1.0),
+                row(x, 4, -1.0),
+                row(x, 4, 1.0),
+            ],
+        }
     }
 }
 

@@ -35,6 +35,10 @@ impl PoseTerm for Region {
         }
     }
     fn hessian(&self, b_from_a: &Pose, weights: &[f64]) -> Matrix6<f64> {
-        point_hessian(b_from_a, &Vector3::zeros(), &Vector3::from_row_slice(weights))
+        point_hessian(
+            b_from_a,
+            &Vector3::zeros(),
+            &Vector3::from_row_slice(weights),
+        )
     }
 }

@@ -2,16 +2,20 @@
 
 use super::distance::{Distance, Obstacle};
 use super::{
-    ForceTerm, PoseTerm, alignment::Alignment, bounds::Bounds, friction::Friction, grasp::Grasp, half_space::HalfSpace,
-    height::Height, place::Place, point_friction::PointFriction, pressure::Pressure, region::Region, sigmoid::Sigmoid,
-    support_pressure::SupportPressure, tilt::Tilt, torsion::Torsion,
+    ForceTerm, PoseTerm, alignment::Alignment, bounds::Bounds, friction::Friction, grasp::Grasp,
+    half_space::HalfSpace, height::Height, place::Place, point_friction::PointFriction,
+    pressure::Pressure, region::Region, sigmoid::Sigmoid, support_pressure::SupportPressure,
+    tilt::Tilt, torsion::Torsion,
 };
 use nalgebra::Vector3;
 use spatial::Pose;
 
 /// Every kind of pose term once.
 pub fn pose_terms() -> Vec<Box<dyn PoseTerm>> {
-    let balls = vec![(Vector3::new(0.1, -0.2, 0.05), 0.04), (Vector3::new(-0.3, 0.0, 0.1), 0.02)];
+    let balls = vec![
+        (Vector3::new(0.1, -0.2, 0.05), 0.04),
+        (Vector3::new(-0.3, 0.0, 0.1), 0.02),
+    ];
     let distance = |obstacle| Distance {
         balls: balls.clone(),
         obstacle,
@@ -19,19 +23,35 @@ pub fn pose_terms() -> Vec<Box<dyn PoseTerm>> {
         clearance: 0.01,
     };
     let half = Vector3::new(0.3, 0.2, 0.4);
-    let sigmoid = |obstacle| Sigmoid { points: balls.clone(), obstacle, obstacle_from_b: Pose::random(4), slope: 15.0 };
+    let sigmoid = |obstacle| Sigmoid {
+        points: balls.clone(),
+        obstacle,
+        obstacle_from_b: Pose::random(4),
+        slope: 15.0,
+    };
     vec![
         Box::new(Height),
         Box::new(Alignment),
         Box::new(Place { yaw: true }),
         Box::new(Place { yaw: false }),
-        Box::new(Bounds { half_a: [0.1, 0.05], half_b: [0.3, 0.2] }),
-        Box::new(HalfSpace { limb: Vector3::new(0.6, 0.0, -0.8) }),
-        Box::new(Region { lower: Vector3::repeat(-1.0), upper: Vector3::repeat(1.0) }),
+        Box::new(Bounds {
+            half_a: [0.1, 0.05],
+            half_b: [0.3, 0.2],
+        }),
+        Box::new(HalfSpace {
+            limb: Vector3::new(0.6, 0.0, -0.8),
+        }),
+        Box::new(Region {
+            lower: Vector3::repeat(-1.0),
+            upper: Vector3::repeat(1.0),
+        }),
         Box::new(Tilt),
         Box::new(distance(Obstacle::Box(half))),
         Box::new(distance(Obstacle::HalfSpace)),
-        Box::new(distance(Obstacle::Balls(vec![(Vector3::new(0.0, 0.1, 0.0), 0.05)]))),
+        Box::new(distance(Obstacle::Balls(vec![(
+            Vector3::new(0.0, 0.1, 0.0),
+            0.05,
+        )]))),
         Box::new(sigmoid(Obstacle::Box(half))),
         Box::new(sigmoid(Obstacle::HalfSpace)),
     ]
@@ -40,13 +60,30 @@ pub fn pose_terms() -> Vec<Box<dyn PoseTerm>> {
 /// Every kind of force term once.
 pub fn force_terms() -> Vec<Box<dyn ForceTerm>> {
     vec![
-        Box::new(Friction { mu: 0.7, epsilon: 0.5, scale: 100.0 }),
-        Box::new(PointFriction { mu: 0.6, epsilon: 0.5, scale: 10.0 }),
+        Box::new(Friction {
+            mu: 0.7,
+            epsilon: 0.5,
+            scale: 100.0,
+        }),
+        Box::new(PointFriction {
+            mu: 0.6,
+            epsilon: 0.5,
+            scale: 10.0,
+        }),
         Box::new(Pressure::new([0.085, 0.03], 3.0)),
         Box::new(Torsion::new(0.03, 3.0)),
-        Box::new(Grasp { max_force: 60.0, max_moment: Some(5.0) }),
-        Box::new(Grasp { max_force: 60.0, max_moment: None }),
-        Box::new(SupportPressure { half_size: [0.2, 0.1], scale: 3.0 }),
+        Box::new(Grasp {
+            max_force: 60.0,
+            max_moment: Some(5.0),
+        }),
+        Box::new(Grasp {
+            max_force: 60.0,
+            max_moment: None,
+        }),
+        Box::new(SupportPressure {
+            half_size: [0.2, 0.1],
+            scale: 3.0,
+        }),
     ]
 }
 
@@ -69,7 +106,10 @@ mod tests {
 
     fn close(name: &str, what: &str, analytic: f64, numeric: f64, scale: f64) {
         let error = (analytic - numeric).abs();
-        assert!(error < 2e-7 * scale.max(1.0), "{name}, {what}: {analytic} analytic, {numeric} by differences");
+        assert!(
+            error < 2e-7 * scale.max(1.0),
+            "{name}, {what}: {analytic} analytic, {numeric} by differences"
+        );
     }
 
     #[test]
@@ -87,12 +127,20 @@ mod tests {
                 term.gradients(&x, &mut gradients);
                 let weights: Vec<f64> = (0..n).map(|i| 1.0 + 0.3 * i as f64).collect();
                 let hessian = term.hessian(&x, &weights);
-                let weighted = |xi: &Vector6<f64>| -> f64 { values(xi).iter().zip(&weights).map(|(v, w)| v * w).sum() };
+                let weighted = |xi: &Vector6<f64>| -> f64 {
+                    values(xi).iter().zip(&weights).map(|(v, w)| v * w).sum()
+                };
                 for j in 0..6 {
                     let e = Vector6::ith(j, STEP);
                     let (up, down) = (values(&e), values(&-e));
                     for r in 0..n {
-                        close(term.name(), "gradient", gradients[r][j], (up[r] - down[r]) / (2.0 * STEP), 1.0);
+                        close(
+                            term.name(),
+                            "gradient",
+                            gradients[r][j],
+                            (up[r] - down[r]) / (2.0 * STEP),
+                            1.0,
+                        );
                     }
                     for i in 0..6 {
                         let second = |h: f64| {
@@ -118,7 +166,11 @@ mod tests {
                 let x = pose(seed + 100 * number as u64);
                 let mut random = Random::new(seed + 7);
                 let w = Vector6::from_fn(|i, _| {
-                    if i == 2 { random.uniform(-40.0, -5.0) } else { random.uniform(-4.0, 4.0) }
+                    if i == 2 {
+                        random.uniform(-40.0, -5.0)
+                    } else {
+                        random.uniform(-4.0, 4.0)
+                    }
                 });
                 let n = term.bounds().len();
                 let values = |z: &nalgebra::SVector<f64, 12>| {
@@ -131,22 +183,40 @@ mod tests {
                 term.gradients(&x, &w, &mut gradients);
                 let weights: Vec<f64> = (0..n).map(|i| 1.0 + 0.3 * i as f64).collect();
                 let analytic = full(&term.hessian(&x, &w, &weights));
-                let weighted = |z: &_| -> f64 { values(z).iter().zip(&weights).map(|(v, w)| v * w).sum() };
+                let weighted =
+                    |z: &_| -> f64 { values(z).iter().zip(&weights).map(|(v, w)| v * w).sum() };
                 for j in 0..12 {
                     let e = nalgebra::SVector::<f64, 12>::ith(j, STEP);
                     let (up, down) = (values(&e), values(&-e));
                     for r in 0..n {
-                        let g = if j < 6 { gradients[r].0[j] } else { gradients[r].1[j - 6] };
-                        close(term.name(), "gradient", g, (up[r] - down[r]) / (2.0 * STEP), 1.0);
+                        let g = if j < 6 {
+                            gradients[r].0[j]
+                        } else {
+                            gradients[r].1[j - 6]
+                        };
+                        close(
+                            term.name(),
+                            "gradient",
+                            g,
+                            (up[r] - down[r]) / (2.0 * STEP),
+                            1.0,
+                        );
                     }
                     for i in 0..12 {
                         let h = 1e-3;
                         let ei = nalgebra::SVector::<f64, 12>::ith(i, h);
                         let ej = nalgebra::SVector::<f64, 12>::ith(j, h);
-                        let numeric = (weighted(&(ei + ej)) - weighted(&(ei - ej)) - weighted(&(ej - ei))
-                            + weighted(&(-ei - ej)))
-                            / (4.0 * h * h);
-                        close(term.name(), "Hessian", analytic[(i, j)], numeric, 50.0 * (1.0 + analytic.amax()));
+                        let numeric =
+                            (weighted(&(ei + ej)) - weighted(&(ei - ej)) - weighted(&(ej - ei))
+                                + weighted(&(-ei - ej)))
+                                / (4.0 * h * h);
+                        close(
+                            term.name(),
+                            "Hessian",
+                            analytic[(i, j)],
+                            numeric,
+                            50.0 * (1.0 + analytic.amax()),
+                        );
                     }
                 }
             }

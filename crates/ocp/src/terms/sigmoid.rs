@@ -80,7 +80,11 @@ impl PoseTerm for Sigmoid {
     }
     fn values(&self, b_from_a: &Pose, out: &mut [f64]) {
         let x = self.obstacle_from_b * *b_from_a;
-        out[0] = self.points.iter().map(|(l, r)| self.penalty(&x.act(*l), *r).0).sum();
+        out[0] = self
+            .points
+            .iter()
+            .map(|(l, r)| self.penalty(&x.act(*l), *r).0)
+            .sum();
     }
     fn gradients(&self, b_from_a: &Pose, out: &mut [Vector6<f64>]) {
         let x = self.obstacle_from_b * *b_from_a;

@@ -3,8 +3,8 @@
 //! Source: formulation 2.4 and 2.5. The centre of pressure is (m_y, −m_x)/f_n in a's plane, f_n = −f_z; in b's plane it
 //! is r + R (m_y, −m_x, 0)/f_n, and each of its coordinates stays within ξ_b.
 
-use super::{ForceHessian, ForceTerm};
 use super::pose_functions::{direction_gradient, direction_hessian, point_gradient, point_hessian};
+use super::{ForceHessian, ForceTerm};
 use nalgebra::{Matrix6, Vector3, Vector6};
 use spatial::Pose;
 
@@ -49,15 +49,16 @@ impl ForceTerm for SupportPressure {
     fn values(&self, x: &Pose, w: &Vector6<f64>, out: &mut [f64]) {
         let (r, turned, normal) = (x.origin(), x.rotate(arm(w)), -w[2]);
         self.for_each(|row, i, sign| {
-            out[row] = (normal * self.half_size[i] + sign * (normal * r[i] + turned[i])) / self.scale;
+            out[row] =
+                (normal * self.half_size[i] + sign * (normal * r[i] + turned[i])) / self.scale;
         });
     }
     fn gradients(&self, x: &Pose, w: &Vector6<f64>, out: &mut [(Vector6<f64>, Vector6<f64>)]) {
         let (r, normal) = (x.origin(), -w[2]);
         self.for_each(|row, i, sign| {
             let u = Vector3::ith(i, 1.0);
-            let pose =
-                point_gradient(x, &Vector3::zeros(), &u) * normal + direction_gradient(x, &arm(w), &u);
+            let pose = point_gradient(x, &Vector3::zeros(), &u) * normal
+                + direction_gradient(x, &arm(w), &u);
             let mut wrench = moment_gradient(x, i) * sign;
             wrench[2] = -(self.half_size[i] + sign * r[i]);
             out[row] = (pose * (sign / self.scale), wrench / self.scale);
@@ -69,7 +70,9 @@ impl ForceTerm for SupportPressure {
         self.for_each(|row, i, sign| {
             let weight = weights[row] * sign / self.scale;
             let u = Vector3::ith(i, 1.0);
-            out.pose += (point_hessian(x, &Vector3::zeros(), &u) * normal + direction_hessian(x, &arm(w), &u)) * weight;
+            out.pose += (point_hessian(x, &Vector3::zeros(), &u) * normal
+                + direction_hessian(x, &arm(w), &u))
+                * weight;
             let mut mixed = Matrix6::zeros();
             mixed.set_column(2, &-point_gradient(x, &Vector3::zeros(), &u));
             mixed.set_column(3, &-direction_gradient(x, &Vector3::y(), &u));

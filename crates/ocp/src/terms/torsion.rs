@@ -17,7 +17,9 @@ impl Torsion {
     /// Torsional friction coefficient [m] and the moment that counts as one [N·m].
     pub fn new(mu_r: f64, scale: f64) -> Self {
         let row = |sign: f64| Vector6::new(0.0, 0.0, -mu_r, 0.0, 0.0, sign) / scale;
-        Self { coefficients: [row(-1.0), row(1.0)] }
+        Self {
+            coefficients: [row(-1.0), row(1.0)],
+        }
     }
 }
 

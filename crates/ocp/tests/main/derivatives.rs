@@ -12,11 +12,28 @@ fn program(seed: u64, grid: Grid, preset: Preset) -> (Trajectory, Point) {
     let scene = random_scene(seed);
     let system = System::new(&scene).expect("a model");
     let collisions = CollisionModel::new(&scene, &system);
-    let phase = |steps, pairs: &[_]| Phase { state: state(pairs), steps };
+    let phase = |steps, pairs: &[_]| Phase {
+        state: state(pairs),
+        steps,
+    };
     let phases = vec![
         phase(3, &[(0, 5, UnilateralPatch), (3, 6, UnilateralPatch)]),
-        phase(2, &[(0, 5, UnilateralPatch), (1, 4, BilateralPatch), (2, 4, UnilateralPoint)]),
-        phase(3, &[(1, 4, BilateralPatch), (2, 6, UnilateralPoint), (3, 6, UnilateralPatch)]),
+        phase(
+            2,
+            &[
+                (0, 5, UnilateralPatch),
+                (1, 4, BilateralPatch),
+                (2, 4, UnilateralPoint),
+            ],
+        ),
+        phase(
+            3,
+            &[
+                (1, 4, BilateralPatch),
+                (2, 6, UnilateralPoint),
+                (3, 6, UnilateralPatch),
+            ],
+        ),
     ];
     let settings = Settings::new(preset, &scene.optimiser);
     let mut random = Random::new(seed + 5);
@@ -24,18 +41,42 @@ fn program(seed: u64, grid: Grid, preset: Preset) -> (Trajectory, Point) {
     let start = system.start(&scene);
     let mut nodes = vec![start.clone()];
     for _ in 0..n {
-        let step: Vec<f64> = (0..system.model.nv).map(|_| random.uniform(-0.15, 0.15)).collect();
+        let step: Vec<f64> = (0..system.model.nv)
+            .map(|_| random.uniform(-0.15, 0.15))
+            .collect();
         nodes.push(system.model.integrate(&nodes[nodes.len() - 1], &step));
     }
     if grid == Grid::Motion {
         nodes[1] = nodes[0].clone();
         nodes[n] = nodes[n - 1].clone();
     }
-    let program = Program::new(&scene, &system, &collisions, &phases, &settings, grid, &nodes);
-    let wrenches =
-        program.intervals.iter().map(|i| (0..i.n_wrench).map(|_| random.uniform(-1.0, 1.0)).collect()).collect();
-    let durations = if grid == Grid::Motion { vec![0.9, 0.6, 1.2] } else { vec![1.0; 3] };
-    (Trajectory::new(program), Point { nodes, wrenches, durations })
+    let program = Program::new(
+        &scene,
+        &system,
+        &collisions,
+        &phases,
+        &settings,
+        grid,
+        &nodes,
+    );
+    let wrenches = program
+        .intervals
+        .iter()
+        .map(|i| (0..i.n_wrench).map(|_| random.uniform(-1.0, 1.0)).collect())
+        .collect();
+    let durations = if grid == Grid::Motion {
+        vec![0.9, 0.6, 1.2]
+    } else {
+        vec![1.0; 3]
+    };
+    (
+        Trajectory::new(program),
+        Point {
+            nodes,
+            wrenches,
+            durations,
+        },
+    )
 }
 
 struct Evaluation {
@@ -44,7 +85,12 @@ struct Evaluation {
 }
 
 fn evaluate(trajectory: &mut Trajectory, x: &Point) -> Evaluation {
-    let mut data: Vec<_> = trajectory.structure().elements.iter().map(ElementData::new).collect();
+    let mut data: Vec<_> = trajectory
+        .structure()
+        .elements
+        .iter()
+        .map(ElementData::new)
+        .collect();
     trajectory.evaluate(x, &mut data);
     Evaluation {
         objective: data.iter().map(|d| d.objective).sum(),
@@ -57,18 +103,30 @@ fn check(seed: u64, grid: Grid, preset: Preset) {
     let structure = trajectory.structure().clone();
     let mut data: Vec<_> = structure.elements.iter().map(ElementData::new).collect();
     let mut random = Random::new(seed + 77);
-    let n_rows: usize = structure.elements.iter().map(solver::ElementStructure::n_rows).sum();
+    let n_rows: usize = structure
+        .elements
+        .iter()
+        .map(solver::ElementStructure::n_rows)
+        .sum();
     let y: Vec<f64> = (0..n_rows).map(|_| random.uniform(-1.0, 1.0)).collect();
     trajectory.linearise(&x, &y, &mut data);
     for (t, d) in data.iter().enumerate() {
-        assert!(d.hessian.iter().all(|h| h.is_finite()), "element {t}: Hessian has unwritten entries");
-        assert!(d.jacobians.iter().flatten().all(|h| h.is_finite()), "element {t}: Jacobian has unwritten entries");
+        assert!(
+            d.hessian.iter().all(|h| h.is_finite()),
+            "element {t}: Hessian has unwritten entries"
+        );
+        assert!(
+            d.jacobians.iter().flatten().all(|h| h.is_finite()),
+            "element {t}: Jacobian has unwritten entries"
+        );
     }
     for trial in 0..400 {
         // A direction over one, two or all variables.
         let mut direction = vec![0.0; structure.n_vars];
         match trial {
-            0..8 => direction.iter_mut().for_each(|d| *d = random.uniform(-1.0, 1.0)),
+            0..8 => direction
+                .iter_mut()
+                .for_each(|d| *d = random.uniform(-1.0, 1.0)),
             _ => {
                 let e = random.index(structure.elements.len());
                 let vars = &structure.elements[e].vars;
@@ -84,10 +142,13 @@ fn check(seed: u64, grid: Grid, preset: Preset) {
         };
         let h = 2e-4;
         let (p1, p2, m1, m2, zero) = (at(h), at(2.0 * h), at(-h), at(-2.0 * h), at(0.0));
-        let first = |f: &dyn Fn(&Evaluation) -> f64| (8.0 * (f(&p1) - f(&m1)) - f(&p2) + f(&m2)) / (12.0 * h);
+        let first = |f: &dyn Fn(&Evaluation) -> f64| {
+            (8.0 * (f(&p1) - f(&m1)) - f(&p2) + f(&m2)) / (12.0 * h)
+        };
         let lagrangian =
             |e: &Evaluation| e.objective + e.rows.iter().zip(&y).map(|(c, y)| c * y).sum::<f64>();
-        let second = (-lagrangian(&p2) + 16.0 * lagrangian(&p1) - 30.0 * lagrangian(&zero) + 16.0 * lagrangian(&m1)
+        let second = (-lagrangian(&p2) + 16.0 * lagrangian(&p1) - 30.0 * lagrangian(&zero)
+            + 16.0 * lagrangian(&m1)
             - lagrangian(&m2))
             / (12.0 * h * h);
         // Gradient, rows and Hessian along the direction.
@@ -96,7 +157,12 @@ fn check(seed: u64, grid: Grid, preset: Preset) {
         for (e, d) in structure.elements.iter().zip(&data) {
             let n = e.vars.len();
             let local: Vec<f64> = e.vars.iter().map(|&v| direction[v]).collect();
-            slope += d.gradient.iter().zip(&local).map(|(g, x)| g * x).sum::<f64>();
+            slope += d
+                .gradient
+                .iter()
+                .zip(&local)
+                .map(|(g, x)| g * x)
+                .sum::<f64>();
             for j in 0..n {
                 for i in j..n {
                     let twice = if i == j { 1.0 } else { 2.0 };
@@ -120,11 +186,20 @@ fn check(seed: u64, grid: Grid, preset: Preset) {
             row += e.n_rows();
         }
         let numeric = first(&|e: &Evaluation| e.objective);
-        assert!((slope - numeric).abs() < 1e-6 * (1.0 + slope.abs()), "trial {trial}: slope {slope}, {numeric}");
+        assert!(
+            (slope - numeric).abs() < 1e-6 * (1.0 + slope.abs()),
+            "trial {trial}: slope {slope}, {numeric}"
+        );
         assert!(
             (curvature - second).abs() < 1e-4 * (10.0 + curvature.abs()),
             "seed {seed}, trial {trial}: curvature {curvature} analytic, {second} by differences; variables {:?}",
-            direction.iter().enumerate().filter(|(_, d)| **d != 0.0).map(|(i, _)| i).take(4).collect::<Vec<_>>()
+            direction
+                .iter()
+                .enumerate()
+                .filter(|(_, d)| **d != 0.0)
+                .map(|(i, _)| i)
+                .take(4)
+                .collect::<Vec<_>>()
         );
     }
 }

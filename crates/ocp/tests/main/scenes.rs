@@ -3,14 +3,21 @@
 use multibody::{Model, Root};
 use nalgebra::{Matrix3, Vector3, Vector6};
 use scene::{
-    Interface, Object, Objective, OptimiserOptions, Owner, PlacedShape, Robot, Role, Scene, SearchOptions, Shape,
-    StaticBody,
+    Interface, Object, Objective, OptimiserOptions, Owner, PlacedShape, Robot, Role, Scene,
+    SearchOptions, Shape, StaticBody,
 };
 use spatial::Pose;
 use std::collections::BTreeSet;
 use symbolic::{Contact, ContactState, ContactType, InterfaceId};
 
-fn interface(name: &str, owner: Owner, role: Role, pose: Pose, patch: bool, half: Option<[f64; 2]>) -> Interface {
+fn interface(
+    name: &str,
+    owner: Owner,
+    role: Role,
+    pose: Pose,
+    patch: bool,
+    half: Option<[f64; 2]>,
+) -> Interface {
     Interface {
         name: name.into(),
         owner,
@@ -29,7 +36,10 @@ fn interface(name: &str, owner: Owner, role: Role, pose: Pose, patch: bool, half
 }
 
 fn placed(pose: Pose, shape: Shape) -> PlacedShape {
-    PlacedShape { body_from_shape: pose, shape }
+    PlacedShape {
+        body_from_shape: pose,
+        shape,
+    }
 }
 
 /// A random robot with balls on its links, a ground, a table and a box; interfaces:
@@ -44,7 +54,13 @@ pub fn random_scene(seed: u64) -> Scene {
         .map(|(i, _)| {
             vec![
                 placed(Pose::random(i as u64), Shape::Sphere { radius: 0.05 }),
-                placed(Pose::random(i as u64 + 50), Shape::Capsule { radius: 0.03, half_length: 0.1 }),
+                placed(
+                    Pose::random(i as u64 + 50),
+                    Shape::Capsule {
+                        radius: 0.03,
+                        half_length: 0.1,
+                    },
+                ),
             ]
         })
         .collect();
@@ -54,10 +70,26 @@ pub fn random_scene(seed: u64) -> Scene {
     start.truncate(model.nq);
     let table = Pose::from_translation(0.4, 0.1, 0.6);
     let half = Vector3::new(0.1, 0.08, 0.07);
-    let link = |i: usize| Owner::Robot { frame: frames - 1 - i % frames };
+    let link = |i: usize| Owner::Robot {
+        frame: frames - 1 - i % frames,
+    };
     let interfaces = vec![
-        interface("foot", link(0), Role::Foot, Pose::random(3), true, Some([0.08, 0.03])),
-        interface("hand", link(1), Role::Hand, Pose::random(4), true, Some([0.02, 0.02])),
+        interface(
+            "foot",
+            link(0),
+            Role::Foot,
+            Pose::random(3),
+            true,
+            Some([0.08, 0.03]),
+        ),
+        interface(
+            "hand",
+            link(1),
+            Role::Hand,
+            Pose::random(4),
+            true,
+            Some([0.02, 0.02]),
+        ),
         interface("tip", link(2), Role::Hand, Pose::random(5), false, None),
         interface(
             "box_bottom",
@@ -67,17 +99,44 @@ pub fn random_scene(seed: u64) -> Scene {
             true,
             Some([0.1, 0.08]),
         ),
-        interface("box_side", Owner::Object(0), Role::Surface, Pose::random(9), true, Some([0.05, 0.05])),
-        interface("ground_top", Owner::Static(0), Role::Surface, Pose::identity(), true, None),
+        interface(
+            "box_side",
+            Owner::Object(0),
+            Role::Surface,
+            Pose::random(9),
+            true,
+            Some([0.05, 0.05]),
+        ),
+        interface(
+            "ground_top",
+            Owner::Static(0),
+            Role::Surface,
+            Pose::identity(),
+            true,
+            None,
+        ),
         Interface {
             overhang: true,
-            ..interface("table_top", Owner::Static(1), Role::Surface, table, true, Some([0.3, 0.2]))
+            ..interface(
+                "table_top",
+                Owner::Static(1),
+                Role::Surface,
+                table,
+                true,
+                Some([0.3, 0.2]),
+            )
         },
     ];
     Scene {
         name: "random".into(),
         gravity: Vector3::new(0.0, 0.0, -9.81),
-        robot: Robot { name: "random".into(), urdf: String::new(), home: vec![0.1; n_joints], shapes, model },
+        robot: Robot {
+            name: "random".into(),
+            urdf: String::new(),
+            home: vec![0.1; n_joints],
+            shapes,
+            model,
+        },
         start,
         objects: vec![Object {
             name: "box".into(),
@@ -87,12 +146,17 @@ pub fn random_scene(seed: u64) -> Scene {
             world_from_start: Pose::from_translation(0.4, 0.1, 0.67),
         }],
         statics: vec![
-            StaticBody { name: "ground".into(), shapes: vec![placed(Pose::identity(), Shape::HalfSpace)] },
+            StaticBody {
+                name: "ground".into(),
+                shapes: vec![placed(Pose::identity(), Shape::HalfSpace)],
+            },
             StaticBody {
                 name: "table".into(),
                 shapes: vec![placed(
                     Pose::from_translation(0.4, 0.1, 0.3),
-                    Shape::Box { half_size: Vector3::new(0.3, 0.2, 0.3) },
+                    Shape::Box {
+                        half_size: Vector3::new(0.3, 0.2, 0.3),
+                    },
                 )],
             },
         ],
@@ -105,7 +169,12 @@ pub fn random_scene(seed: u64) -> Scene {
             upper: Vector3::new(1.0, 1.0, f64::INFINITY),
         }],
         objective: Objective::BaseHeight,
-        search: SearchOptions { max_phases: None, max_skeleton: None, max_changes: 1, support_hands: true },
+        search: SearchOptions {
+            max_phases: None,
+            max_skeleton: None,
+            max_changes: 1,
+            support_hands: true,
+        },
         optimiser: OptimiserOptions {
             steps: 3,
             min_duration: 0.2,
@@ -118,7 +187,13 @@ pub fn random_scene(seed: u64) -> Scene {
 
 /// A contact state of these pairs of interfaces.
 pub fn state(pairs: &[(usize, usize, ContactType)]) -> ContactState {
-    let contacts: BTreeSet<_> =
-        pairs.iter().map(|&(a, b, kind)| Contact { a: InterfaceId(a), b: InterfaceId(b), kind }).collect();
+    let contacts: BTreeSet<_> = pairs
+        .iter()
+        .map(|&(a, b, kind)| Contact {
+            a: InterfaceId(a),
+            b: InterfaceId(b),
+            kind,
+        })
+        .collect();
     ContactState { contacts }
 }
