@@ -1,0 +1,158 @@
+//! What a caller asks for, sees on the way and gets.
+
+use crate::summary::Summary;
+use ocp::Preset;
+use symbolic::SymbolicError;
+
+/// Options of one planning run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Request {
+    /// Which trajectory problem.
+    pub preset: Preset,
+    /// Seed of every random choice; the same scene and seed give the same plan.
+    pub seed: u64,
+    /// Wall time after which the best plan so far is returned [s]; infinite by default.
+    pub time_limit: f64,
+    /// Number of feasible plans after which the search ends; the cheapest is returned.
+    pub solutions: usize,
+    /// Most sequences that are optimised in full.
+    pub max_optimised: usize,
+}
+
+impl Default for Request {
+    fn default() -> Self {
+        Self { preset: Preset::Default, seed: 0, time_limit: f64::INFINITY, solutions: 1, max_optimised: 200 }
+    }
+}
+
+/// What happens during a run. The observer returns false to stop.
+#[derive(Debug, Clone)]
+pub enum Event {
+    /// The search begins: sizes of the symbolic problem.
+    Started {
+        /// Number of interfaces.
+        interfaces: usize,
+        /// Number of possible contacts.
+        contacts: usize,
+        /// Largest number of phases K_max.
+        max_phases: usize,
+        /// Length of the shortest manipulation skeleton.
+        skeleton: usize,
+    },
+    /// A complete contact sequence is looked at.
+    Sequence {
+        /// Its number, from 1.
+        number: usize,
+        /// What changes on entering each phase.
+        labels: Vec<String>,
+    },
+    /// Its keyframes were solved.
+    Keyframes {
+        /// Number of the sequence.
+        number: usize,
+        /// False: the sequence is geometrically impossible.
+        possible: bool,
+        /// Why it is not.
+        reason: Option<String>,
+    },
+    /// One iteration of the trajectory optimiser.
+    Iteration {
+        /// Number of the sequence.
+        number: usize,
+        /// Iteration.
+        iteration: usize,
+        /// Largest violation (scaled).
+        violation: f64,
+        /// Objective.
+        objective: f64,
+    },
+    /// A trajectory was optimised.
+    Optimised {
+        /// Number of the sequence.
+        number: usize,
+        /// Does it satisfy everything.
+        feasible: bool,
+        /// Its cost.
+        cost: f64,
+        /// What resists, if it does not.
+        reason: Option<String>,
+    },
+}
+
+/// How far a sequence got.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reached {
+    /// Its keyframes are impossible.
+    Keyframes,
+    /// It was optimised without success.
+    Optimised,
+    /// It is a feasible plan.
+    Feasible,
+}
+
+/// A sequence that was tried.
+#[derive(Debug, Clone)]
+pub struct Attempt {
+    /// Its number.
+    pub number: usize,
+    /// What changes on entering each phase.
+    pub labels: Vec<String>,
+    /// How far it got.
+    pub reached: Reached,
+    /// Why it got no further.
+    pub reason: Option<String>,
+    /// Cost if optimised.
+    pub cost: Option<f64>,
+    /// Solver iterations.
+    pub iterations: usize,
+    /// Time spent [s].
+    pub seconds: f64,
+}
+
+/// A plan with its summary.
+#[derive(Debug, Clone)]
+pub struct Found {
+    /// The plan file's content.
+    pub plan: plan::Plan,
+    /// The short summary for people.
+    pub summary: Summary,
+}
+
+/// Result of a run.
+#[derive(Debug)]
+pub struct Outcome {
+    /// The best plan: the cheapest feasible one, else the least violated one (its `status` says which).
+    pub best: Option<Found>,
+    /// True if `best` satisfies everything.
+    pub feasible: bool,
+    /// All sequences tried, in order.
+    pub attempts: Vec<Attempt>,
+    /// Why the search ended, in words.
+    pub ended: String,
+    /// Wall time [s].
+    pub seconds: f64,
+}
+
+/// Why a scene cannot be planned at all.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The robot and the objects do not make a multibody model.
+    #[error("{0}")]
+    Model(#[from] multibody::ModelError),
+    /// The symbolic problem is ill-posed.
+    #[error("{0}")]
+    Symbolic(#[from] SymbolicError),
+    /// The start pose is in collision.
+    #[error("the start pose is in collision: {a} is {depth_mm:.0} mm inside {b}; move one of them, or change the start joints")]
+    StartInCollision {
+        /// One body.
+        a: String,
+        /// The other body.
+        b: String,
+        /// Overlap [mm].
+        depth_mm: f64,
+    },
+    /// The goal cannot be reached by any sequence of manipulation actions.
+    #[error("{0}")]
+    Unreachable(String),
+}
