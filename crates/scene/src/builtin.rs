@@ -18,10 +18,14 @@ const ROBOTS: [BuiltinRobot; 1] = [BuiltinRobot {
 }];
 
 /// Name and text of every built-in scene.
-const SCENES: [(&str, &str); 1] = [(
-    "pick-place",
-    include_str!("../../../scenes/pick-place.toml"),
-)];
+const SCENES: [(&str, &str); 3] = [
+    (
+        "pick-place",
+        include_str!("../../../scenes/pick-place.toml"),
+    ),
+    ("lift-box", include_str!("../../../scenes/lift-box.toml")),
+    ("side-step", include_str!("../../../scenes/side-step.toml")),
+];
 
 /// The built-in robot of a name.
 pub(crate) fn robot(name: &str) -> Option<&'static BuiltinRobot> {

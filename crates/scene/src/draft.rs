@@ -1,6 +1,6 @@
 //! A scene in the making: bodies and interfaces are known, poses and contacts follow.
 
-use crate::nearest::nearest;
+use crate::robot::unknown_name;
 use crate::rules::{self, Obstacle, possible_types};
 use crate::source::{At, Source};
 use crate::{Fault, Interface, Object, Owner, Robot, SceneError, StaticBody};
@@ -22,19 +22,8 @@ impl Draft<'_> {
     pub fn interface(&self, name: &At<String>, user: &str) -> Result<InterfaceId, SceneError> {
         let found = self.interfaces.iter().position(|i| i.name == **name);
         found.map(InterfaceId).ok_or_else(|| {
-            let known: Vec<&str> = self.interfaces.iter().map(|i| i.name.as_str()).collect();
-            let fault = Fault::UnknownName {
-                user: user.to_owned(),
-                kind: "interface",
-                name: (**name).clone(),
-                nearest: nearest(name, known.iter().copied()).map(str::to_owned),
-                known: if known.is_empty() {
-                    "none".into()
-                } else {
-                    known.join(", ")
-                },
-            };
-            self.source.fault(name.span(), fault)
+            let known = self.interfaces.iter().map(|i| i.name.as_str());
+            unknown_name(self.source, name, user, "interface", known)
         })
     }
 
@@ -57,11 +46,11 @@ impl Draft<'_> {
                 return Ok((a, b, types));
             }
         }
-        // of all failed tries, the one that came furthest says most
+        // of all failed tries, the one that came furthest says most; of equal ones the last, in the order of the file
         let obstacle = ContactType::ALL
             .iter()
             .filter(|kind| allowed(kind))
-            .flat_map(|kind| [(x, y), (y, x)].map(|(a, b)| (rules::check(a, b, *kind).err(), a, b)))
+            .flat_map(|kind| [(y, x), (x, y)].map(|(a, b)| (rules::check(a, b, *kind).err(), a, b)))
             .filter_map(|(obstacle, a, b)| Some((obstacle?, a, b)))
             .max_by_key(|(obstacle, ..)| *obstacle)
             .unwrap_or((Obstacle::Type, x, y));

@@ -34,8 +34,3 @@ pub use types::*;
 pub fn json_schema() -> serde_json::Value {
     schemars::schema_for!(file::SceneFile).to_value()
 }
-
-/// The JSON Schema of a robot file (draft 2020-12), derived from the types.
-pub fn robot_json_schema() -> serde_json::Value {
-    schemars::schema_for!(robot::RobotFile).to_value()
-}

@@ -14,6 +14,19 @@ pub(crate) fn nearest<'a>(
         .map(|(_, name)| name)
 }
 
+/// Names beyond this number are not listed.
+const MOST_LISTED: usize = 12;
+
+/// The known names for a message, the first ones if there are many.
+pub(crate) fn list(names: &[&str]) -> String {
+    let shown = names[..names.len().min(MOST_LISTED)].join(", ");
+    match names.len().saturating_sub(MOST_LISTED) {
+        0 if names.is_empty() => "none".to_owned(),
+        0 => shown,
+        more => format!("{shown} and {more} more"),
+    }
+}
+
 /// Levenshtein distance: fewest insertions, deletions and replacements.
 fn edits(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();
@@ -48,5 +61,12 @@ mod tests {
         assert_eq!(nearest("Table_B_Top", names), Some("table_b_top"));
         assert_eq!(nearest("xyz", names), None);
         assert_eq!(nearest("anything", []), None);
+    }
+
+    #[test]
+    fn long_lists_are_cut() {
+        assert_eq!(list(&[]), "none");
+        assert_eq!(list(&["a", "b"]), "a, b");
+        assert!(list(&["x"; 15]).ends_with("x and 3 more"));
     }
 }

@@ -3,13 +3,12 @@
 use crate::builtin;
 use crate::file::RobotInterfaceEntry;
 use crate::interfaces::{Friction, robot_interface};
-use crate::nearest::nearest;
+use crate::nearest::{list, nearest};
 use crate::parse::parse;
 use crate::source::{At, Place, Source};
 use crate::{Fault, Interface, PlacedShape, Robot, SceneError, Shape};
 use multibody::{JointKind, Model, Root};
 use nalgebra::Vector3;
-use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -21,9 +20,8 @@ pub(crate) const BASE: usize = 7;
 const CAPSULE_PLAY: f64 = 1e-4;
 
 /// A robot file: what a planner needs beside the URDF.
-#[derive(Debug, Deserialize, JsonSchema)]
+#[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "a robot")]
-#[schemars(title = "locotamp robot")]
 #[allow(dead_code, reason = "source and licence are for people")]
 pub(crate) struct RobotFile {
     /// Name, for people and plan files.
@@ -226,11 +224,7 @@ pub(crate) fn unknown_name<'a>(
         kind,
         name: (**name).clone(),
         nearest: nearest(name, known.iter().copied()).map(str::to_owned),
-        known: if known.is_empty() {
-            "none".into()
-        } else {
-            known.join(", ")
-        },
+        known: list(&known),
     };
     source.fault(name.span(), fault)
 }

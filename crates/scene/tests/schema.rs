@@ -1,0 +1,68 @@
+//! The committed JSON Schema.
+
+use crate::fixtures::VALID;
+use scene::Scene;
+use serde_json::Value;
+
+/// Renews the committed schema when set.
+const RENEW: &str = "LOCOTAMP_RENEW";
+
+fn committed_schema() -> std::path::PathBuf {
+    std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/scene.schema.json")
+}
+
+#[test]
+fn the_committed_schema_is_that_of_the_types() {
+    let current = serde_json::to_string_pretty(&scene::json_schema()).unwrap() + "\n";
+    if std::env::var_os(RENEW).is_some() {
+        std::fs::write(committed_schema(), &current).unwrap();
+    }
+    let committed = std::fs::read_to_string(committed_schema()).unwrap_or_default();
+    assert!(
+        committed == current,
+        "docs/scene.schema.json is not current; run this test with {RENEW}=1 and read the diff"
+    );
+}
+
+/// A TOML text as JSON; infinities, which JSON lacks, become large numbers.
+fn as_json(text: &str) -> Value {
+    let table: toml::Table = toml::from_str(&text.replace("inf]", "1e9]")).unwrap();
+    serde_json::to_value(table).unwrap()
+}
+
+#[test]
+fn the_schema_accepts_valid_scenes() {
+    let validator = jsonschema::validator_for(&scene::json_schema()).unwrap();
+    let texts = Scene::builtin_names()
+        .filter_map(Scene::builtin_text)
+        .chain([VALID, include_str!("scenes/hopper.toml")]);
+    for text in texts {
+        let errors: Vec<String> = validator
+            .iter_errors(&as_json(text))
+            .map(|error| error.to_string())
+            .collect();
+        assert!(errors.is_empty(), "{errors:?}\n{text}");
+    }
+}
+
+#[test]
+fn the_schema_rejects_spoiled_scenes() {
+    let validator = jsonschema::validator_for(&scene::json_schema()).unwrap();
+    let cases = [
+        ("name = \"test\"\n", ""),
+        ("robot = \"g1\"", "robo = \"g1\""),
+        ("mass = 2.0", "mass = \"2 kg\""),
+        ("size = [0.4, 0.6, 0.04]", "size = [0.4, 0.6]"),
+        ("side = \"+y\"", "side = \"left\""),
+        ("[\"bilateral_patch\"]", "[\"sticky\"]"),
+        ("position = [0.0, 0.0]\njoints", "position = [0.0]\njoints"),
+        ("max_changes = 2", "max_changes = -2"),
+    ];
+    for (piece, replacement) in cases {
+        let text = crate::fixtures::spoiled(piece, replacement);
+        assert!(
+            !validator.is_valid(&as_json(&text)),
+            "{replacement:?} passes the schema"
+        );
+    }
+}
