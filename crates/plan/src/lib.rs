@@ -8,6 +8,11 @@
 //! Keys that this version does not know are kept in `extra` and written back, so a writer may add its
 //! own (`margins`, `summary`, `report`).
 
+#![allow(
+    rustdoc::broken_intra_doc_links,
+    reason = "units stand in square brackets"
+)]
+
 mod error;
 mod file;
 mod layout;
