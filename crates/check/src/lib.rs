@@ -12,6 +12,10 @@
 //! Frames: all intermediate quantities are in world axes unless their name says otherwise.
 
 #![allow(
+    rustdoc::broken_intra_doc_links,
+    reason = "units stand in square brackets"
+)]
+#![allow(
     clippy::struct_field_names,
     reason = "poses are named <to>_from_<of>, whatever carries them"
 )]
