@@ -31,3 +31,90 @@ pub struct Summary {
     /// Largest torque over its limit (ratio), its joint, and the time [s].
     pub torque: (f64, String, f64),
 }
+
+use ocp::{Motion, Subject, System, Worst};
+use scene::Scene;
+
+/// Name of a body: a robot link, an object (both by joint) or a static body.
+pub(crate) fn body_name(scene: &Scene, system: &System, body: Result<usize, usize>) -> String {
+    match body {
+        Ok(joint) if joint >= system.n_robot_joints => scene.objects[joint - system.n_robot_joints].name.clone(),
+        Ok(joint) => {
+            let link = system.model.frames.iter().find(|f| f.joint == Some(joint));
+            link.map_or_else(|| system.model.joints[joint].name.clone(), |f| f.name.clone())
+        }
+        Err(fixed) => scene.statics[fixed].name.clone(),
+    }
+}
+
+/// A violated row in plain words.
+pub(crate) fn words(scene: &Scene, worst: &Worst) -> String {
+    let name = |i: symbolic::InterfaceId| scene.interfaces[i.0].name.as_str();
+    let joint = |v: usize| {
+        let robot = scene.robot.model.joints.iter().find(|j| (j.idx_v..j.idx_v + j.kind.nv()).contains(&v));
+        let object = || scene.objects.get((v.saturating_sub(scene.robot.model.nv)) / 6);
+        match robot {
+            Some(j) if j.kind.nv() == 1 => j.name.clone(),
+            Some(_) => "base".into(),
+            None => object().map_or_else(String::new, |o| o.name.clone()),
+        }
+    };
+    let subject = match worst.label.subject {
+        Subject::Coordinate(v) => joint(v),
+        Subject::Contact(c) => format!("{} on {}", name(c.a), name(c.b)),
+        Subject::Pair(a, b) => {
+            let body = |j: usize| match j.checked_sub(scene.robot.model.joints.len()) {
+                Some(o) => scene.objects[o].name.clone(),
+                None => scene.robot.model.joints[j].name.clone(),
+            };
+            format!("{} and {}", body(a), b.map_or_else(|| "the environment".into(), body))
+        }
+        Subject::Goal => "the goal".into(),
+    };
+    let Worst { label, phase, amount, .. } = worst;
+    format!("{} of {subject}: {amount:.2e} {} off, in phase {}", label.category, label.unit, phase + 1)
+}
+
+/// Summarises a motion.
+pub(crate) fn summarise(scene: &Scene, labels: &[String], motion: &mut Motion) -> Summary {
+    let point = motion.point.clone();
+    let n = motion.trajectory.program.n_intervals();
+    let mut torque = (0.0, String::new(), 0.0);
+    let mut time = 0.0;
+    for t in 0..n {
+        let tau = motion.trajectory.torques(&point, t);
+        for joint in motion.trajectory.program.system.actuated() {
+            let ratio = tau[joint.idx_v].abs() / joint.torque_limit;
+            if ratio > torque.0 {
+                torque = (ratio, joint.name.clone(), time);
+            }
+        }
+        time += motion.trajectory.dt(&point, t);
+    }
+    let program = &motion.trajectory.program;
+    let mut first = 0;
+    let mut phases = Vec::new();
+    for (k, &steps) in program.steps.iter().enumerate() {
+        let contacts = program.intervals[first].forces.iter().map(|f| {
+            let name = |i: symbolic::InterfaceId| scene.interfaces[i.0].name.as_str();
+            format!("{} on {}", name(f.contact.a), name(f.contact.b))
+        });
+        phases.push(PhaseSummary {
+            action: labels.get(k).cloned().unwrap_or_default(),
+            duration: point.durations[k],
+            contacts: contacts.collect(),
+        });
+        first += steps;
+    }
+    let worst = ocp::motion::worst_row(program, &motion.report, 0.0);
+    Summary {
+        phases,
+        duration: point.durations.iter().sum(),
+        intervals: n,
+        cost: motion.report.objective,
+        iterations: motion.iterations,
+        seconds: motion.seconds,
+        violation: worst.map_or_else(|| "none".into(), |w| words(scene, &w)),
+        torque,
+    }
+}

@@ -18,7 +18,8 @@ pub mod terms;
 
 pub use motion::{Keyframes, Motion, Planner, Worst};
 pub use point::Point;
-pub use problem::Trajectory;
+pub use problem::{Trajectory, physical_wrench};
 pub use program::{Force, Grid, Interval, Node, Phase, Program, RowLabel, Subject, goal_body};
+pub use relative::{Body, Carrier};
 pub use settings::{Margins, Preset, Settings, Weights};
 pub use system::System;

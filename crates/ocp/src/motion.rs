@@ -115,7 +115,7 @@ impl<'a> Planner<'a> {
             None,
             &mut |_| true,
         );
-        let worst = worst_row(&trajectory.program, &report);
+        let worst = worst_row(&trajectory.program, &report, 1e-7);
         let possible = report.violation <= KEYFRAME_TOLERANCE;
         Keyframes {
             nodes: point.nodes,
@@ -181,7 +181,7 @@ impl<'a> Planner<'a> {
                     continue;
                 }
             }
-            let worst = worst_row(&trajectory.program, &report).filter(|_| !solved);
+            let worst = worst_row(&trajectory.program, &report, 1e-7).filter(|_| !solved);
             return Motion {
                 trajectory,
                 point,
@@ -214,15 +214,15 @@ pub(crate) fn violates_new_rows(program: &Program, point: &Point) -> bool {
     })
 }
 
-/// The most violated row of a report, in units of its label.
-pub fn worst_row(program: &Program, report: &Report) -> Option<Worst> {
+/// The most violated row of a report, in units of its label; `None` if no scaled violation exceeds `least`.
+pub fn worst_row(program: &Program, report: &Report, least: f64) -> Option<Worst> {
     let mut worst: Option<Worst> = None;
     let mut row = 0;
     for (t, element) in program.structure.elements.iter().enumerate() {
         for (l, u) in element.row_lower.iter().zip(&element.row_upper) {
             let amount = (l - report.rows[row]).max(report.rows[row] - u);
             let label = &program.labels[row];
-            if amount > worst.as_ref().map_or(1e-7, |w| w.amount / w.label.scale) {
+            if amount > worst.as_ref().map_or(least, |w| w.amount / w.label.scale) {
                 let amount = amount * label.scale;
                 worst = Some(Worst {
                     label: label.clone(),

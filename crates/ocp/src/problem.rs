@@ -570,7 +570,7 @@ fn velocity_scale(limit: f64) -> f64 {
 }
 
 /// Wrench in newtons and newton metres, axes of a.
-pub(crate) fn physical_wrench(force: &crate::program::Force, scaled: &[f64]) -> Vector6<f64> {
+pub fn physical_wrench(force: &crate::program::Force, scaled: &[f64]) -> Vector6<f64> {
     let mut wrench = Vector6::zeros();
     for i in 0..force.n {
         wrench[i] = scaled[force.first + i] * force.scale[i];

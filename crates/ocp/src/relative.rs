@@ -37,6 +37,16 @@ pub struct Carrier {
     pub body_from_frame: Pose,
 }
 
+impl Carrier {
+    /// Pose of the frame in the world.
+    pub fn world_from_frame(&self, kinematics: &Kinematics) -> Pose {
+        match self.body {
+            Body::Joint(j) => kinematics.world_from_joint[j] * self.body_from_frame,
+            Body::World => self.body_from_frame,
+        }
+    }
+}
+
 /// Columns that share one exponential.
 #[derive(Debug, Clone, Copy)]
 struct Group {
@@ -133,12 +143,8 @@ impl RelativeFrame {
 
     /// Pose and columns at a configuration.
     pub fn update(&self, kinematics: &Kinematics, out: &mut Relative) {
-        let world_from = |c: &Carrier| match c.body {
-            Body::Joint(j) => kinematics.world_from_joint[j] * c.body_from_frame,
-            Body::World => c.body_from_frame,
-        };
-        let world_from_a = world_from(&self.a);
-        out.b_from_a = world_from(&self.b).inverse() * world_from_a;
+        let world_from_a = self.a.world_from_frame(kinematics);
+        out.b_from_a = self.b.world_from_frame(kinematics).inverse() * world_from_a;
         let (r, p) = (world_from_a.rotation(), world_from_a.origin());
         for (k, (&col, column)) in self.cols.iter().zip(&mut out.columns).enumerate() {
             let sign = if k < self.n_reversed { -1.0 } else { 1.0 };

@@ -1,0 +1,94 @@
+//! From a scene to the symbolic domain: the only place where geometry decides a symbolic fact (opposite patches).
+
+use crate::api::Error;
+use nalgebra::Vector3;
+use scene::{Objective, Owner, Role, Scene};
+use symbolic::{ContactState, ContactType, Domain, Goal, GoalPair, GraphOptions, InterfaceId, SearchLimits, SkeletonGraph};
+
+/// Cosine of the angle from which on two normals count as opposite.
+const OPPOSITE: f64 = -0.98;
+/// Share of the distance between two patches by which they may be offset sideways and still form a squeeze.
+const SIDEWAYS: f64 = 0.35;
+
+/// The symbolic domain of a scene.
+///
+/// # Errors
+/// If interfaces and objects do not make a domain.
+pub fn domain(scene: &Scene) -> Result<Domain, Error> {
+    let interfaces = scene
+        .interfaces
+        .iter()
+        .map(|i| symbolic::Interface {
+            name: i.name.clone(),
+            owner: match i.owner {
+                Owner::Robot { .. } => symbolic::Owner::Robot,
+                Owner::Object(o) => symbolic::Owner::Object(o),
+                Owner::Static(s) => symbolic::Owner::Static(s),
+            },
+            role: match i.role {
+                Role::Foot => symbolic::Role::Foot,
+                Role::Hand => symbolic::Role::Hand,
+                Role::Surface => symbolic::Role::Surface,
+            },
+            patch: i.patch,
+            lands: i.lands,
+            contact_types: i.contact_types.clone(),
+        })
+        .collect();
+    let objects = scene.objects.iter().map(|o| o.name.clone()).collect();
+    Ok(Domain::new(interfaces, objects, squeezes(scene))?)
+}
+
+/// Pairs of patches of one object that face away from one another and lie opposite: two hands can squeeze them.
+fn squeezes(scene: &Scene) -> Vec<(InterfaceId, InterfaceId)> {
+    let mut out = Vec::new();
+    let graspable = |i: &scene::Interface| {
+        i.patch && !i.lands && i.contact_types.contains(&ContactType::UnilateralPatch)
+    };
+    for (i, a) in scene.interfaces.iter().enumerate() {
+        for (j, b) in scene.interfaces.iter().enumerate().take(i) {
+            let same = matches!((a.owner, b.owner), (Owner::Object(x), Owner::Object(y)) if x == y);
+            if !same || !graspable(a) || !graspable(b) {
+                continue;
+            }
+            let normal = |i: &scene::Interface| i.body_from_interface.rotate(Vector3::z());
+            let between = b.body_from_interface.origin() - a.body_from_interface.origin();
+            let depth = between.dot(&normal(b));
+            let offset = (between - normal(b) * depth).norm();
+            if normal(a).dot(&normal(b)) < OPPOSITE && depth > 0.0 && offset < SIDEWAYS * depth {
+                out.push((InterfaceId(j), InterfaceId(i)));
+            }
+        }
+    }
+    out
+}
+
+/// The skeleton-constrained graph of a scene, and the bounds of its search.
+///
+/// # Errors
+/// If start, goal and domain do not fit together.
+pub fn graph(scene: &Scene) -> Result<(SkeletonGraph, SearchLimits), Error> {
+    let start: ContactState = scene.start_contacts.iter().copied().collect();
+    let goal = Goal {
+        pairs: scene.goal_contacts.iter().map(|g| GoalPair { a: g.a, b: g.b, kind: None }).collect(),
+    };
+    let options = GraphOptions {
+        max_changes: scene.search.max_changes,
+        support_hands: scene.search.support_hands,
+        max_actions: scene.search.max_skeleton,
+        release_at_end: true,
+    };
+    let limits = SearchLimits {
+        max_phases: scene.search.max_phases,
+        ending: ending(scene),
+        ..SearchLimits::default()
+    };
+    Ok((SkeletonGraph::new(domain(scene)?, start, goal, options)?, limits))
+}
+
+/// Sequences end in the first goal state; without goal contacts but with regions or an objective, anywhere.
+fn ending(scene: &Scene) -> Option<symbolic::Ending> {
+    let open = scene.goal_contacts.is_empty();
+    let anywhere = open && (!scene.goal_regions.is_empty() || scene.objective == Objective::BaseHeight);
+    anywhere.then_some(symbolic::Ending::Every)
+}
