@@ -131,7 +131,7 @@ impl BodySurface {
             half_size: self.half_size(source, &what, entry)?,
             limb: -Vector3::z(),
             contact_types: match &entry.contacts {
-                Some(contacts) => contact_types(source, &what, contacts)?,
+                Some(contacts) => contact_types(source, &what, patch, contacts)?,
                 None => default_contacts(patch),
             },
             max_force: source.limit(
@@ -236,6 +236,7 @@ fn default_contacts(patch: bool) -> Vec<ContactType> {
 fn contact_types(
     source: &Source,
     what: &str,
+    patch: bool,
     entry: &At<Vec<crate::file::ContactTypeEntry>>,
 ) -> Result<Vec<ContactType>, SceneError> {
     let mut types: Vec<ContactType> = Vec::new();
@@ -250,6 +251,13 @@ fn contact_types(
             what,
             "contacts is empty, expected at least one contact type",
         ));
+    }
+    if let Some(kind) = types.iter().find(|kind| kind.is_patch() && !patch) {
+        let problem = format!(
+            "a point cannot take part in {}, expected unilateral_point or bilateral_point",
+            kind.name()
+        );
+        return Err(source.bad_keys(entry.span(), what, &problem));
     }
     Ok(types)
 }
@@ -307,7 +315,12 @@ pub(crate) fn robot_interface(
         patch: entry.kind == KindEntry::Patch,
         half_size,
         limb,
-        contact_types: contact_types(source, &what, &entry.contacts)?,
+        contact_types: contact_types(
+            source,
+            &what,
+            entry.kind == KindEntry::Patch,
+            &entry.contacts,
+        )?,
         max_force: source.limit(
             &format!("max_force of {what}"),
             "N",

@@ -167,6 +167,6 @@ mod tests {
         let source = Source::new("a.toml", "twö");
         assert_eq!(source.place(90..95).excerpt(), "");
         assert_eq!(source.place(3..9).excerpt(), "ö");
-        assert_eq!(source.place(3..2).first_line(), 2..4);
+        assert_eq!(source.place(Range { start: 3, end: 2 }).first_line(), 2..4);
     }
 }

@@ -69,6 +69,11 @@ pub(crate) fn start(
         draft,
         kinematics: &kinematics,
     };
+    for (index, Asked { contact, span }) in asked.iter().enumerate() {
+        if let Some(other) = asked[..index].iter().find(|o| o.contact.a == contact.a) {
+            return Err(two_partners(draft, contact, &other.contact, span));
+        }
+    }
     for Asked { contact, span } in &asked {
         world.require(contact, span)?;
     }
@@ -82,6 +87,23 @@ pub(crate) fn start(
     contacts.sort();
     contacts.dedup();
     Ok(Start { q, contacts })
+}
+
+/// The fault of an interface that lands on two others.
+fn two_partners(
+    draft: &Draft,
+    contact: &Contact,
+    other: &Contact,
+    span: &Range<usize>,
+) -> SceneError {
+    let name = |id: InterfaceId| draft.interfaces[id.0].name.clone();
+    let fault = Fault::Impossible {
+        a: name(contact.a),
+        b: name(contact.b),
+        reason: format!("it is to touch {:?} as well", name(other.b)),
+        remedy: "list one of the two".to_owned(),
+    };
+    draft.source.fault(span.clone(), fault)
 }
 
 /// Base pose, at height zero if none is given, and joints.

@@ -66,3 +66,46 @@ fn the_schema_rejects_spoiled_scenes() {
         );
     }
 }
+
+const DOCUMENT: &str = include_str!("../../../docs/scene-format.md");
+
+/// Names of all keys of a schema.
+fn keys(schema: &Value, found: &mut std::collections::BTreeSet<String>) {
+    if let Some(properties) = schema.get("properties").and_then(Value::as_object) {
+        found.extend(properties.keys().cloned());
+    }
+    let children: Vec<&Value> = match schema {
+        Value::Object(map) => map.values().collect(),
+        Value::Array(list) => list.iter().collect(),
+        _ => Vec::new(),
+    };
+    for child in children {
+        keys(child, found);
+    }
+}
+
+#[test]
+fn the_document_names_every_key() {
+    let mut found = std::collections::BTreeSet::new();
+    keys(&scene::json_schema(), &mut found);
+    assert!(found.len() > 50);
+    let words: std::collections::BTreeSet<&str> = DOCUMENT
+        .split(|c: char| !(c.is_alphanumeric() || c == '_'))
+        .collect();
+    let missing: Vec<&String> = found
+        .iter()
+        .filter(|key| !words.contains(key.as_str()))
+        .collect();
+    assert!(missing.is_empty(), "{missing:?}");
+}
+
+#[test]
+fn the_example_of_the_document_is_valid() {
+    let example = DOCUMENT
+        .split("```toml")
+        .nth(1)
+        .and_then(|rest| rest.split("```").next());
+    let scene =
+        crate::fixtures::read(example.unwrap()).unwrap_or_else(|e| panic!("{}", e.render()));
+    assert_eq!(scene.name, "pick-place");
+}
