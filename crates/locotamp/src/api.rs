@@ -21,7 +21,7 @@ pub struct Request {
 
 impl Default for Request {
     fn default() -> Self {
-        Self { preset: Preset::Default, seed: 0, time_limit: f64::INFINITY, solutions: 1, max_optimised: 200 }
+        Self { preset: Preset::Default, seed: 0, time_limit: f64::INFINITY, solutions: 3, max_optimised: 200 }
     }
 }
 

@@ -3,7 +3,7 @@
 //! Rows are made only for balls that come near an obstacle in given node configurations (the initial guess or the last
 //! solution); whoever solves checks the result and asks again with the pairs that were missed.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use crate::program::{Grid, Phase, Program};
@@ -24,12 +24,24 @@ const NEAR: f64 = 0.07;
 const NEAR_SELF: f64 = 0.04;
 /// Largest ball that stands for a box [m]; corners of a box stick out of its balls by at most 0.73 of the radius.
 const BOX_BALL: f64 = 0.035;
+/// Radius of the balls at the edges and corners of a box [m], and their distance from its faces in radii: they bulge
+/// by a quarter of the radius and leave a quarter of it uncovered at the corners.
+const EDGE_BALL: f64 = 0.01;
+const EDGE_INSET: f64 = 0.75;
+/// Half length from which on an edge gets a ball in its middle [m].
+const LONG_EDGE: f64 = 0.03;
 /// Clearance demanded one node away from a contact of the same bodies [m], and its growth per node.
 const RAMP: (f64, f64) = (-0.008, 0.008);
 /// Slope of the sigmoid penalties of the paper preset [1/m] (the yardstick's).
 const SIGMOID_SLOPE: f64 = 40.0;
 
 type Ball = (Vector3<f64>, f64);
+
+/// The body that a ball avoids: a joint, or a static body.
+pub type Other = Result<usize, usize>;
+
+/// More clearance for a pair at a node [m], where the way between two nodes would collide.
+pub type ExtraClearance = BTreeMap<(usize, usize, Other), f64>;
 
 /// A primitive that balls avoid.
 #[derive(Debug, Clone)]
@@ -44,7 +56,7 @@ struct Primitive {
 }
 
 /// Two bodies in contact: joint, and joint or static body.
-type Touch = (usize, Result<usize, usize>);
+type Touch = (usize, Other);
 
 /// Balls and obstacles of a scene.
 #[derive(Debug, Clone)]
@@ -224,6 +236,7 @@ impl CollisionModel {
         scene: &Scene,
         phases: &[Phase],
         near: &[Vec<f64>],
+        extra: &ExtraClearance,
     ) -> Vec<Pair> {
         let mut kinematics = Kinematics::new(&program.system.model);
         let mut out = Vec::new();
@@ -242,7 +255,7 @@ impl CollisionModel {
                     .map(|i| i.abs_diff(t))
                     .min()
             };
-            self.pairs_at(program, t, &kinematics, &since, &mut out);
+            self.pairs_at(program, t, &kinematics, &since, extra, &mut out);
         }
         out
     }
@@ -252,7 +265,8 @@ impl CollisionModel {
         program: &Program,
         t: usize,
         kinematics: &Kinematics,
-        since: &dyn Fn(usize, Result<usize, usize>) -> Option<usize>,
+        since: &dyn Fn(usize, Other) -> Option<usize>,
+        extra: &ExtraClearance,
         out: &mut Vec<Pair>,
     ) {
         let margins = &program.settings.margins;
@@ -279,7 +293,8 @@ impl CollisionModel {
                 } else {
                     margins.clearance
                 };
-                let clearance = if keyframes { 0.0 } else { Self::ramp(full, d) };
+                let more = extra.get(&(t, a, other)).copied().unwrap_or(0.0);
+                let clearance = if keyframes { 0.0 } else { Self::ramp(full, d) + more };
                 let body_from_a = match primitive.joint {
                     Some(j) => {
                         kinematics.world_from_joint[j].inverse() * kinematics.world_from_joint[a]
@@ -352,46 +367,81 @@ impl CollisionModel {
         }
     }
 
+    /// Overlaps deeper than `tolerance` half-way between neighbouring nodes: interval, pair, depth [m].
+    pub fn between(
+        &self,
+        program: &Program,
+        scene: &Scene,
+        phases: &[Phase],
+        nodes: &[Vec<f64>],
+        tolerance: f64,
+    ) -> Vec<(usize, usize, Other, f64)> {
+        let model = &program.system.model;
+        let mut kinematics = Kinematics::new(model);
+        let mut out = Vec::new();
+        for t in 0..program.n_intervals() {
+            let half: Vec<f64> = model.difference(&nodes[t], &nodes[t + 1]).iter().map(|d| 0.5 * d).collect();
+            kinematics.update(model, &model.integrate(&nodes[t], &half));
+            let touching: BTreeSet<_> = Self::touching(scene, program, phases, t)
+                .union(&Self::touching(scene, program, phases, t + 1))
+                .copied()
+                .collect();
+            self.overlaps(&kinematics, &|a, b| touching.contains(&(a, b)), &mut |depth, a, other| {
+                if depth > tolerance {
+                    out.push((t, a, other, depth));
+                }
+            });
+        }
+        out
+    }
+
     /// Worst overlap of the system at a configuration, of bodies that do not touch: depth [m] and the pair.
     pub fn deepest(
         &self,
         kinematics: &Kinematics,
-        touching: &dyn Fn(usize, Result<usize, usize>) -> bool,
-    ) -> Option<(f64, usize, Result<usize, usize>)> {
-        let mut worst: Option<(f64, usize, Result<usize, usize>)> = None;
-        let mut see = |depth: f64, a, b| {
+        touching: &dyn Fn(usize, Other) -> bool,
+    ) -> Option<(f64, usize, Other)> {
+        let mut worst: Option<(f64, usize, Other)> = None;
+        self.overlaps(kinematics, touching, &mut |depth, a, b| {
             if depth > 0.0 && worst.as_ref().is_none_or(|w| depth > w.0) {
                 worst = Some((depth, a, b));
             }
-        };
+        });
+        worst
+    }
+
+    /// Calls `see(depth, a, b)` for every pair of bodies that do not touch; a negative depth is a distance.
+    fn overlaps(
+        &self,
+        kinematics: &Kinematics,
+        touching: &dyn Fn(usize, Other) -> bool,
+        see: &mut dyn FnMut(f64, usize, Other),
+    ) {
         for a in 0..self.balls.len() {
             for primitive in &self.primitives {
-                let Some(other) = primitive.joint.map(Ok).or(primitive.body.map(Err)) else {
-                    continue;
-                };
-                if primitive.joint == Some(a) || touching(a, other) {
+                let Some(other) = primitive.joint.map(Ok).or(primitive.body.map(Err)) else { continue };
+                if primitive.joint == Some(a) || self.balls[a].is_empty() || touching(a, other) {
                     continue;
                 }
                 let body_from_a = match primitive.joint {
-                    Some(j) => {
-                        kinematics.world_from_joint[j].inverse() * kinematics.world_from_joint[a]
-                    }
+                    Some(j) => kinematics.world_from_joint[j].inverse() * kinematics.world_from_joint[a],
                     None => kinematics.world_from_joint[a],
                 };
                 let x = primitive.primitive_from_body * body_from_a;
-                for (c, r) in &self.balls[a] {
-                    see(r - distance(&x.act(*c), &primitive.obstacle), a, other);
-                }
+                let depth = self.balls[a]
+                    .iter()
+                    .map(|(c, r)| r - distance(&x.act(*c), &primitive.obstacle))
+                    .fold(f64::NEG_INFINITY, f64::max);
+                see(depth, a, other);
             }
         }
         for &(a, b) in &self.self_pairs {
             see(-self.link_distance(kinematics, a, b), a, Ok(b));
         }
-        worst
     }
 
     /// Bodies that the start contacts of a scene bring together.
-    pub fn start_touches(scene: &Scene, system: &System) -> Vec<(usize, Result<usize, usize>)> {
+    pub fn start_touches(scene: &Scene, system: &System) -> Vec<Touch> {
         let mut out = Vec::new();
         for contact in &scene.start_contacts {
             let (a, b) = (
@@ -489,6 +539,17 @@ fn cover(pose: &Pose, shape: &Shape, out: &mut Vec<Ball>) {
                         }
                         out.push((pose.act(Vector3::new(at(i, 0), at(j, 1), at(k, 2))), radius));
                     }
+                }
+            }
+            // Small balls for the edges and corners that stick out of the large ones.
+            let small = radius.min(EDGE_BALL);
+            let inset = half_size.map(|h| h - EDGE_INSET * small);
+            for code in 0..27_usize {
+                let side = Vector3::new((code % 3) as f64 - 1.0, (code / 3 % 3) as f64 - 1.0, (code / 9) as f64 - 1.0);
+                let middles = side.iter().filter(|x| **x == 0.0).count();
+                let long = (0..3).all(|k| side[k] != 0.0 || half_size[k] > LONG_EDGE);
+                if middles == 0 || (middles == 1 && long) {
+                    out.push((pose.act(inset.component_mul(&side)), small));
                 }
             }
         }

@@ -1,17 +1,22 @@
 //! From a contact sequence to a motion: keyframes, initial guess, trajectory, repair of missed collision pairs.
 
-use crate::collision::CollisionModel;
+use crate::collision::{CollisionModel, ExtraClearance};
 use crate::guess;
 use crate::point::Point;
 use crate::problem::Trajectory;
 use crate::program::{Grid, Phase, Program, RowLabel};
-use crate::settings::Settings;
+use crate::settings::{Preset, Settings};
 use crate::system::System;
 use scene::Scene;
 use solver::{InteriorPoint, Iteration, Options, Problem, Report, Status};
 
-/// Rounds of solving with more collision pairs.
-const REPAIRS: usize = 2;
+/// Rounds of solving with more collision pairs or more clearance.
+const REPAIRS: usize = 4;
+/// Overlap half-way between two nodes that is tolerated [m].
+const BETWEEN_TOLERANCE: f64 = 0.002;
+/// Barrier parameter and relaxation with which a repair starts from the last solution.
+const REPAIR_BARRIER: f64 = 1e-3;
+const REPAIR_PUSH: f64 = 1e-4;
 /// Largest violation of a keyframe set that still counts as possible, in the rows' own units (m, rad).
 const KEYFRAME_TOLERANCE: f64 = 1e-4;
 
@@ -87,15 +92,7 @@ impl<'a> Planner<'a> {
     /// One configuration per phase boundary that satisfies all contacts and clearances, no statics.
     pub fn keyframes(&self, phases: &[Phase], settings: &Settings) -> Keyframes {
         let nodes = guess::keyframes(self.scene, &self.system, phases);
-        let program = Program::new(
-            self.scene,
-            &self.system,
-            &self.collisions,
-            phases,
-            settings,
-            Grid::Keyframes,
-            &nodes,
-        );
+        let program = self.program(phases, settings, Grid::Keyframes, &nodes, &ExtraClearance::new());
         let mut point = guess::point(&program, self.scene, nodes);
         let mut trajectory = Trajectory::new(program);
         let options = Options {
@@ -134,65 +131,65 @@ impl<'a> Planner<'a> {
         observe: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Motion {
         let nodes = guess::interpolate(&self.system, phases, keyframes);
-        let mut program = Program::new(
-            self.scene,
-            &self.system,
-            &self.collisions,
-            phases,
-            settings,
-            Grid::Motion,
-            &nodes,
-        );
+        let mut extra = ExtraClearance::new();
+        let mut program = self.program(phases, settings, Grid::Motion, &nodes, &extra);
         let mut point = guess::point(&program, self.scene, nodes);
         let (mut iterations, mut seconds) = (0, 0.0);
         for round in 0.. {
             let mut trajectory = Trajectory::new(program);
             let structure = trajectory.structure().clone();
-            let mut options = Options {
-                max_iterations: settings.max_iterations,
-                ..Options::default()
-            };
+            let mut options = Options { max_iterations: settings.max_iterations, ..Options::default() };
             if round > 0 {
-                options.initial_barrier = 1e-3;
-                options.bound_push = 1e-4;
+                options.initial_barrier = REPAIR_BARRIER;
+                options.bound_push = REPAIR_PUSH;
             }
-            let report = InteriorPoint::new(&structure).solve(
-                &mut trajectory,
-                &mut point,
-                &options,
-                None,
-                observe,
-            );
+            let report =
+                InteriorPoint::new(&structure).solve(&mut trajectory, &mut point, &options, None, observe);
             iterations += report.iterations;
             seconds += report.timing.total.as_secs_f64();
             let solved = report.violation <= 10.0 * options.feasibility_tolerance;
             if solved && report.status != Status::Interrupted && round < REPAIRS {
-                let again = Program::new(
-                    self.scene,
-                    &self.system,
-                    &self.collisions,
-                    phases,
-                    settings,
-                    Grid::Motion,
-                    &point.nodes,
-                );
-                if crate::motion::violates_new_rows(&again, &point) {
+                let between = settings.preset == Preset::Default
+                    && self.demand_clearance_between(&trajectory.program, phases, &point.nodes, &mut extra);
+                let again = self.program(phases, settings, Grid::Motion, &point.nodes, &extra);
+                if between || violates_new_rows(&again, &point) {
                     program = again;
                     continue;
                 }
             }
             let worst = worst_row(&trajectory.program, &report, 1e-7).filter(|_| !solved);
-            return Motion {
-                trajectory,
-                point,
-                report,
-                iterations,
-                seconds,
-                feasible: solved,
-                worst,
-            };
+            return Motion { trajectory, point, report, iterations, seconds, feasible: solved, worst };
         }
         unreachable!("the loop returns in its last round")
+    }
+
+    /// Raises the clearance at both ends of intervals that collide half-way; true if there is one.
+    fn demand_clearance_between(
+        &self,
+        program: &Program,
+        phases: &[Phase],
+        nodes: &[Vec<f64>],
+        extra: &mut ExtraClearance,
+    ) -> bool {
+        let found = self.collisions.between(program, self.scene, phases, nodes, BETWEEN_TOLERANCE);
+        for (t, a, other, depth) in &found {
+            for node in [*t, t + 1] {
+                let more = extra.entry((node, *a, *other)).or_default();
+                *more += depth + BETWEEN_TOLERANCE;
+            }
+        }
+        !found.is_empty()
+    }
+
+    fn program(
+        &self,
+        phases: &[Phase],
+        settings: &Settings,
+        grid: Grid,
+        near: &[Vec<f64>],
+        extra: &ExtraClearance,
+    ) -> Program {
+        Program::new(self.scene, &self.system, &self.collisions, phases, settings, grid, near, extra)
     }
 }
 

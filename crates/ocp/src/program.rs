@@ -9,7 +9,7 @@
 
 use std::sync::Arc;
 
-use crate::collision::CollisionModel;
+use crate::collision::{CollisionModel, ExtraClearance};
 use crate::relative::{Carrier, RelativeFrame};
 use crate::settings::{Preset, Settings};
 use crate::system::System;
@@ -247,7 +247,8 @@ struct Builder<'a> {
 
 impl Program {
     /// The program of a contact sequence; node configurations `near` (one per node) choose which collision pairs are
-    /// worth a row, `pairs` more of them.
+    /// worth a row; `extra` raises clearances.
+    #[allow(clippy::too_many_arguments)] // the parts of a problem; one caller in this crate
     pub fn new(
         scene: &Scene,
         system: &System,
@@ -256,6 +257,7 @@ impl Program {
         settings: &Settings,
         grid: Grid,
         near: &[Vec<f64>],
+        extra: &ExtraClearance,
     ) -> Self {
         let steps: Vec<usize> = phases
             .iter()
@@ -293,7 +295,7 @@ impl Program {
             builder.forces(t, phases);
         }
         builder.goal();
-        builder.collisions(collisions, phases, near);
+        builder.collisions(collisions, phases, near, extra);
         builder.program.labels = builder.labels.into_iter().flatten().collect();
         builder.program
     }
@@ -866,10 +868,16 @@ impl Builder<'_> {
         }
     }
 
-    fn collisions(&mut self, collisions: &CollisionModel, phases: &[Phase], near: &[Vec<f64>]) {
+    fn collisions(
+        &mut self,
+        collisions: &CollisionModel,
+        phases: &[Phase],
+        near: &[Vec<f64>],
+        extra: &ExtraClearance,
+    ) {
         let n = self.program.n_intervals();
         let paper = self.program.settings.preset == Preset::Paper;
-        let pairs = collisions.pairs(&self.program, self.scene, phases, near);
+        let pairs = collisions.pairs(&self.program, self.scene, phases, near, extra);
         for pair in pairs {
             let key = (
                 usize::MAX - 1 - pair.a,

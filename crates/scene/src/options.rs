@@ -27,9 +27,9 @@ impl Default for SearchOptions {
 impl Default for OptimiserOptions {
     fn default() -> Self {
         Self {
-            steps: 10,
+            steps: 12,
             min_duration: 0.25,
-            max_duration: 1.5,
+            max_duration: 1.2,
             torque_limits: true,
             max_iterations: 200,
         }

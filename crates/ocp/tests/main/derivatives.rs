@@ -56,9 +56,7 @@ fn program(seed: u64, grid: Grid, preset: Preset) -> (Trajectory, Point) {
         &collisions,
         &phases,
         &settings,
-        grid,
-        &nodes,
-    );
+        grid, &nodes, &Default::default());
     let wrenches = program
         .intervals
         .iter()
