@@ -1,1 +1,55 @@
-fn main() {}
+//! The command `locotamp`: plans a scene, judges a plan, lists what is built in.
+//!
+//! The only place that prints and exits. Results go to standard output, progress and errors to standard error. Exit
+//! codes: 0 done, 1 no plan or plan rejected, 2 bad usage or input.
+
+mod arguments;
+mod check_command;
+mod failure;
+mod folder;
+mod interrupt;
+mod output;
+mod plan_command;
+mod progress;
+mod reasons;
+mod result_json;
+mod result_text;
+mod scene_commands;
+
+use arguments::{Arguments, Command};
+use clap::Parser;
+use std::process::ExitCode;
+
+/// The command's exit codes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Exit {
+    /// Feasible plan, or plan accepted.
+    Done = 0,
+    /// No plan, or plan rejected.
+    Rejected = 1,
+    /// Bad usage or input.
+    BadInput = 2,
+}
+
+impl From<Exit> for ExitCode {
+    fn from(exit: Exit) -> Self {
+        Self::from(exit as u8)
+    }
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let done = match &arguments.command {
+        Command::Plan(options) => plan_command::run(options),
+        Command::Check(options) => check_command::run(options),
+        Command::Scenes { name } => scene_commands::scenes(name.as_deref()),
+        Command::Symbols { scene } => scene_commands::symbols(scene),
+    };
+    match done {
+        Ok(exit) => exit.into(),
+        Err(failure) => {
+            failure.report(arguments.command.for_machines());
+            failure.exit().into()
+        }
+    }
+}

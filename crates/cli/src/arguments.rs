@@ -1,0 +1,141 @@
+//! What can be written after `locotamp`.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// Task and motion planning for humanoid loco-manipulation.
+#[derive(Debug, Parser)]
+#[command(name = "locotamp", version, after_help = EXIT_CODES)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+const EXIT_CODES: &str = "Exit codes: 0 done, 1 no plan or plan rejected, 2 bad usage or input.";
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Find contacts and motion for a scene, and write plan.json
+    #[command(after_help = EXIT_CODES)]
+    Plan(PlanOptions),
+    /// Judge a plan file: is every constraint satisfied
+    #[command(after_help = EXIT_CODES)]
+    Check(CheckOptions),
+    /// List the built-in scenes, or print one to start from
+    Scenes {
+        /// Print the text of this scene
+        name: Option<String>,
+    },
+    /// Show interfaces and possible contacts of a scene, and what the pruning rules leave
+    Symbols {
+        /// Name of a built-in scene, or path of a .toml file
+        scene: String,
+    },
+}
+
+impl Command {
+    /// True if standard output is to be JSON.
+    pub(crate) fn for_machines(&self) -> bool {
+        match self {
+            Self::Plan(options) => options.json,
+            Self::Check(options) => options.json,
+            Self::Scenes { .. } | Self::Symbols { .. } => false,
+        }
+    }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct PlanOptions {
+    /// Name of a built-in scene (see `locotamp scenes`), or path of a .toml file
+    pub scene: String,
+    /// Folder for plan.json [default: a fresh one, runs/<date>-<time>-<scene>]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Seed of random choices; the same scene and seed give the same plan
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+    /// End after this many seconds with the best so far
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub time_limit: Option<f64>,
+    /// Which trajectory problem is solved
+    #[arg(long, value_enum, default_value_t = PresetName::Default)]
+    pub preset: PresetName,
+    /// Leave the joint torque limits out (to see what they change)
+    #[arg(long)]
+    pub no_torque_limits: bool,
+    /// One JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+    /// No progress
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// The presets by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PresetName {
+    /// What a robot should execute: no slip, distances as constraints, margins
+    Default,
+    /// The paper's problem to the letter, for comparisons
+    Paper,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CheckOptions {
+    /// The plan file
+    pub plan: PathBuf,
+    /// Which tolerances
+    #[arg(long, value_enum, default_value_t = ProfileName::Default)]
+    pub profile: ProfileName,
+    /// Measurements (WARN) beyond their tolerance reject too
+    #[arg(long)]
+    pub strict: bool,
+    /// Collision samples per interval
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = substeps)]
+    pub substeps: usize,
+    /// One JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// The sets of tolerances by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ProfileName {
+    /// For plans from anywhere
+    Default,
+    /// What a plan must reach to be reported as feasible
+    Accept,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 => Ok(value),
+        _ => Err("expected a positive number of seconds".into()),
+    }
+}
+
+fn substeps(text: &str) -> Result<usize, String> {
+    match text.parse::<usize>() {
+        Ok(value @ 1..=1000) => Ok(value),
+        _ => Err("expected a whole number from 1 to 1000".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_definition_is_consistent() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn a_time_limit_is_a_positive_number() {
+        assert_eq!(seconds("2.5"), Ok(2.5));
+        for bad in ["0", "-1", "nan", "soon"] {
+            assert!(seconds(bad).is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,211 @@
+//! Progress on standard error: a moving line on a terminal, a line now and then elsewhere.
+
+use crate::output;
+use indicatif::{ProgressBar, ProgressStyle};
+use locotamp::Event;
+use std::io::IsTerminal;
+use std::time::{Duration, Instant};
+
+/// Time between two lines when standard error is not a terminal.
+const LINE_EVERY: Duration = Duration::from_secs(5);
+
+/// Where progress is shown.
+enum Sink {
+    Terminal(ProgressBar),
+    Lines { last: Option<Instant> },
+    Nowhere,
+}
+
+/// What a run has done so far, and where that is shown.
+pub(crate) struct Progress {
+    sink: Sink,
+    begin: Instant,
+    sequences: usize,
+    impossible: usize,
+    optimised: usize,
+    doing: String,
+}
+
+impl Progress {
+    /// Progress to standard error, or to nowhere.
+    pub fn new(quiet: bool) -> Self {
+        let sink = if quiet {
+            Sink::Nowhere
+        } else if std::io::stderr().is_terminal() {
+            Sink::Terminal(spinner())
+        } else {
+            Sink::Lines { last: None }
+        };
+        Self {
+            sink,
+            begin: Instant::now(),
+            sequences: 0,
+            impossible: 0,
+            optimised: 0,
+            doing: "reading".into(),
+        }
+    }
+
+    /// Takes note of an event and shows it.
+    pub fn see(&mut self, event: &Event) {
+        let news = self.note(event);
+        let line = self.line();
+        let elapsed = self.begin.elapsed().as_secs_f64();
+        match &mut self.sink {
+            Sink::Terminal(bar) => {
+                if let Some(news) = news {
+                    bar.println(news);
+                }
+                bar.set_message(line);
+            }
+            Sink::Lines { last } => {
+                if let Some(news) = news {
+                    output::error(&format!("[{elapsed:6.1} s] {news}\n"));
+                    *last = Some(Instant::now());
+                } else if last.is_none_or(|at| at.elapsed() >= LINE_EVERY) {
+                    output::error(&format!("[{elapsed:6.1} s] {line}\n"));
+                    *last = Some(Instant::now());
+                }
+            }
+            Sink::Nowhere => {}
+        }
+    }
+
+    /// Ends the moving line.
+    pub fn finish(&self) {
+        if let Sink::Terminal(bar) = &self.sink {
+            bar.finish_and_clear();
+        }
+    }
+
+    /// Updates the counts; returns what deserves a line of its own.
+    fn note(&mut self, event: &Event) -> Option<String> {
+        match event {
+            Event::Started {
+                interfaces,
+                contacts,
+                max_phases,
+                skeleton,
+            } => {
+                self.doing = "searching contact sequences".into();
+                return Some(format!(
+                    "{interfaces} interfaces, {contacts} possible contacts, at least {skeleton} manipulation actions, at most \
+                     {max_phases} phases"
+                ));
+            }
+            Event::Sequence { number, labels } => {
+                self.sequences = *number;
+                self.doing = format!("keyframes of {} phases", labels.len());
+            }
+            Event::Keyframes {
+                number, possible, ..
+            } => {
+                self.impossible += usize::from(!possible);
+                if *possible {
+                    self.doing = "optimising".into();
+                    return Some(format!(
+                        "sequence {number}: keyframes found, optimising the motion"
+                    ));
+                }
+                self.doing = "searching contact sequences".into();
+            }
+            Event::Iteration {
+                number,
+                iteration,
+                violation,
+                objective,
+            } => {
+                self.doing = format!(
+                    "sequence {number}, iteration {iteration}: violation {violation:.1e}, cost {objective:.3}"
+                );
+            }
+            Event::Optimised {
+                number,
+                feasible,
+                cost,
+                reason,
+            } => {
+                self.optimised += 1;
+                return Some(match (feasible, reason) {
+                    (true, _) => format!("sequence {number}: feasible, cost {cost:.3}"),
+                    (false, Some(reason)) => format!("sequence {number}: not feasible, {reason}"),
+                    (false, None) => format!("sequence {number}: not feasible"),
+                });
+            }
+        }
+        None
+    }
+
+    /// The state in one line.
+    fn line(&self) -> String {
+        let Self {
+            sequences,
+            impossible,
+            optimised,
+            doing,
+            ..
+        } = self;
+        format!(
+            "{sequences} sequences tried ({impossible} without keyframes, {optimised} optimised) | {doing}"
+        )
+    }
+}
+
+fn spinner() -> ProgressBar {
+    let bar = ProgressBar::new_spinner();
+    if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {wide_msg}") {
+        bar.set_style(style);
+    }
+    bar.enable_steady_tick(Duration::from_millis(120));
+    bar
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_line_counts_what_happened() {
+        let mut progress = Progress::new(true);
+        for number in 1..=3 {
+            let labels = vec!["start".into(), "left_foot lifts".into()];
+            progress.see(&Event::Sequence { number, labels });
+            progress.see(&Event::Keyframes {
+                number,
+                possible: number == 3,
+                reason: None,
+            });
+        }
+        progress.see(&Event::Iteration {
+            number: 3,
+            iteration: 7,
+            violation: 0.012,
+            objective: 4.5,
+        });
+        let line = progress.line();
+        assert!(
+            line.starts_with("3 sequences tried (2 without keyframes, 0 optimised)"),
+            "{line}"
+        );
+        assert!(
+            line.ends_with("sequence 3, iteration 7: violation 1.2e-2, cost 4.500"),
+            "{line}"
+        );
+    }
+
+    #[test]
+    fn a_failed_optimisation_is_told_with_its_reason() {
+        let reason = Some("torque of left_knee_joint: 3.00e0 N·m off, in phase 2".to_owned());
+        let event = Event::Optimised {
+            number: 4,
+            feasible: false,
+            cost: 1.0,
+            reason,
+        };
+        let news = Progress::new(true).note(&event).unwrap();
+        assert_eq!(
+            news,
+            "sequence 4: not feasible, torque of left_knee_joint: 3.00e0 N·m off, in phase 2"
+        );
+    }
+}

@@ -1,0 +1,91 @@
+//! The most frequent reasons why sequences were given up.
+
+use locotamp::{Attempt, Reached};
+use std::collections::BTreeMap;
+
+/// A reason and how often it decided.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Reason {
+    /// Number of sequences.
+    pub count: usize,
+    /// How far they got, in words.
+    pub stage: &'static str,
+    /// What resisted, without the amount.
+    pub what: String,
+    /// One of them in full.
+    pub example: String,
+}
+
+/// Reasons of all attempts that are no plan, the most frequent first; amounts and phases aside, equal reasons are one.
+pub(crate) fn most_frequent(attempts: &[Attempt]) -> Vec<Reason> {
+    let mut groups: BTreeMap<(&str, &str), (usize, &str)> = BTreeMap::new();
+    for attempt in attempts {
+        let stage = match attempt.reached {
+            Reached::Keyframes => "no keyframes",
+            Reached::Optimised => "no motion",
+            Reached::Feasible => continue,
+        };
+        let example = attempt.reason.as_deref().unwrap_or("no reason known");
+        let what = example.split(':').next().unwrap_or(example);
+        groups.entry((stage, what)).or_insert((0, example)).0 += 1;
+    }
+    let mut reasons: Vec<Reason> = groups
+        .into_iter()
+        .map(|((stage, what), (count, example))| Reason {
+            count,
+            stage,
+            what: what.into(),
+            example: example.into(),
+        })
+        .collect();
+    reasons.sort_by_key(|reason| std::cmp::Reverse(reason.count));
+    reasons
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn attempt(reached: Reached, reason: &str) -> Attempt {
+        let reason = Some(reason.to_owned());
+        Attempt {
+            number: 1,
+            labels: vec![],
+            reached,
+            reason,
+            cost: None,
+            iterations: 0,
+            seconds: 0.0,
+        }
+    }
+
+    #[test]
+    fn reasons_that_differ_by_amount_only_are_counted_together() {
+        let attempts = [
+            attempt(
+                Reached::Keyframes,
+                "bounds of left_foot on ground_top: 2.0e-1 m off, in phase 3",
+            ),
+            attempt(Reached::Feasible, "unused"),
+            attempt(
+                Reached::Optimised,
+                "torque of knee: 1.0e0 N·m off, in phase 1",
+            ),
+            attempt(
+                Reached::Optimised,
+                "torque of knee: 2.0e0 N·m off, in phase 2",
+            ),
+        ];
+        let reasons = most_frequent(&attempts);
+        assert_eq!(reasons.len(), 2);
+        assert_eq!(
+            (reasons[0].count, reasons[0].stage, reasons[0].what.as_str()),
+            (2, "no motion", "torque of knee")
+        );
+        assert_eq!(
+            reasons[0].example,
+            "torque of knee: 1.0e0 N·m off, in phase 1"
+        );
+        assert_eq!(reasons[1].stage, "no keyframes");
+    }
+}

@@ -1,0 +1,63 @@
+//! The result of a run for machines.
+
+use crate::plan_command::Finished;
+use crate::reasons;
+use locotamp::{Attempt, Reached, Summary};
+use serde_json::{Value, json};
+
+/// One JSON object. Times in seconds; `status` is "feasible", "infeasible" (there is a best attempt) or "none".
+pub(crate) fn write(finished: &Finished) -> Value {
+    let outcome = &finished.outcome;
+    let status = match (&outcome.best, outcome.feasible) {
+        (Some(_), true) => "feasible",
+        (Some(_), false) => "infeasible",
+        (None, _) => "none",
+    };
+    let reasons = reasons::most_frequent(&outcome.attempts);
+    json!({
+        "status": status,
+        "scene": finished.scene,
+        "plan": finished.path.as_ref().map(|path| path.display().to_string()),
+        "ended": outcome.ended,
+        "seconds": outcome.seconds,
+        "summary": outcome.best.as_ref().map(|found| summary(&found.summary)),
+        "check": finished.verdict.as_ref().map(|v| json!({ "ok": v.ok(), "failed": v.failed })),
+        "reasons": reasons.iter().map(|r| json!({
+            "count": r.count, "stage": r.stage, "what": r.what, "example": r.example,
+        })).collect::<Vec<_>>(),
+        "attempts": outcome.attempts.iter().map(attempt).collect::<Vec<_>>(),
+    })
+}
+
+fn summary(summary: &Summary) -> Value {
+    let (ratio, joint, time) = &summary.torque;
+    json!({
+        "phases": summary.phases.iter().map(|phase| json!({
+            "action": phase.action, "duration": phase.duration, "contacts": phase.contacts,
+        })).collect::<Vec<_>>(),
+        "duration": summary.duration,
+        "intervals": summary.intervals,
+        "cost": summary.cost,
+        "iterations": summary.iterations,
+        "optimiser_seconds": summary.seconds,
+        "largest_violation": summary.violation,
+        "largest_torque": { "ratio": ratio, "joint": joint, "time": time },
+    })
+}
+
+fn attempt(attempt: &Attempt) -> Value {
+    let reached = match attempt.reached {
+        Reached::Keyframes => "keyframes",
+        Reached::Optimised => "optimised",
+        Reached::Feasible => "feasible",
+    };
+    json!({
+        "number": attempt.number,
+        "labels": attempt.labels,
+        "reached": reached,
+        "reason": attempt.reason,
+        "cost": attempt.cost,
+        "iterations": attempt.iterations,
+        "seconds": attempt.seconds,
+    })
+}

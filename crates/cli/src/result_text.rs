@@ -1,0 +1,185 @@
+//! The result of a run for people.
+
+use crate::plan_command::Finished;
+use crate::reasons;
+use locotamp::{Outcome, Summary};
+use std::collections::BTreeSet;
+use std::fmt::Write;
+
+/// Reasons that are listed when there is no plan.
+const MOST_REASONS: usize = 5;
+
+/// The short summary, ending with a line break.
+pub(crate) fn write(finished: &Finished) -> String {
+    let outcome = &finished.outcome;
+    let mut text = String::new();
+    if let Some(found) = &outcome.best {
+        text += &heading(&finished.scene, outcome.feasible, &found.summary);
+        text += &phases(&found.summary);
+        text += &figures(&found.summary);
+    } else {
+        text += &format!("{}: no plan\n", finished.scene);
+    }
+    let tried = outcome.attempts.len();
+    let sequences = if tried == 1 { "sequence" } else { "sequences" };
+    let _ = writeln!(
+        text,
+        "search             {tried} {sequences} tried in {:.1} s; {}",
+        outcome.seconds, outcome.ended
+    );
+    if let Some(path) = &finished.path {
+        let _ = writeln!(text, "plan file          {}", path.display());
+    }
+    if let Some(verdict) = &finished.verdict {
+        let _ = writeln!(text, "checker            {verdict}");
+    }
+    if !outcome.feasible {
+        text += &explanation(outcome);
+    }
+    text
+}
+
+fn heading(scene: &str, feasible: bool, summary: &Summary) -> String {
+    let kind = if feasible {
+        "a feasible plan"
+    } else {
+        "no feasible plan; the best attempt"
+    };
+    let (phases, intervals) = (summary.phases.len(), summary.intervals);
+    format!(
+        "{scene}: {kind}, {phases} phases, {intervals} intervals, {:.2} s\n\n",
+        summary.duration
+    )
+}
+
+/// One line per phase: duration, what changes on entering it, the contacts gained and lost.
+fn phases(summary: &Summary) -> String {
+    let mut text = "  phase  duration  on entering\n".to_owned();
+    let width = summary
+        .phases
+        .iter()
+        .map(|phase| phase.action.chars().count())
+        .max()
+        .unwrap_or(0);
+    let mut before: Option<BTreeSet<&str>> = None;
+    for (number, phase) in (1..).zip(&summary.phases) {
+        let contacts: BTreeSet<&str> = phase.contacts.iter().map(String::as_str).collect();
+        let changes = match &before {
+            None => contacts.iter().copied().collect::<Vec<_>>().join(", "),
+            Some(before) => changes(before, &contacts),
+        };
+        let line = format!(
+            "  {number:5}  {:6.2} s  {:width$}  {changes}",
+            phase.duration, phase.action
+        );
+        let _ = writeln!(text, "{}", line.trim_end());
+        before = Some(contacts);
+    }
+    text + "\n"
+}
+
+/// Contacts gained (+) and lost (-).
+fn changes(before: &BTreeSet<&str>, after: &BTreeSet<&str>) -> String {
+    let gained = after
+        .difference(before)
+        .map(|contact| format!("+ {contact}"));
+    let lost = before
+        .difference(after)
+        .map(|contact| format!("- {contact}"));
+    gained.chain(lost).collect::<Vec<_>>().join(", ")
+}
+
+fn figures(summary: &Summary) -> String {
+    let (ratio, joint, time) = &summary.torque;
+    let Summary {
+        violation,
+        cost,
+        iterations,
+        seconds,
+        ..
+    } = summary;
+    let torque = format!(
+        "{:.0} % of the limit, {joint} at {time:.2} s",
+        ratio * 100.0
+    );
+    format!(
+        "largest violation  {violation}\nlargest torque     {torque}\noptimiser          {iterations} iterations, {seconds:.1} s, cost \
+         {cost:.3}\n"
+    )
+}
+
+/// Why there is no plan.
+fn explanation(outcome: &Outcome) -> String {
+    let reasons = reasons::most_frequent(&outcome.attempts);
+    let mut text = String::new();
+    if reasons.is_empty() {
+        return text;
+    }
+    text += "\nmost frequent reasons\n";
+    for reason in reasons.iter().take(MOST_REASONS) {
+        let _ = writeln!(
+            text,
+            "{:6} × {}: {}",
+            reason.count, reason.stage, reason.example
+        );
+    }
+    if reasons.len() > MOST_REASONS {
+        let _ = writeln!(
+            text,
+            "         and {} more (--json lists all)",
+            reasons.len() - MOST_REASONS
+        );
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use locotamp::PhaseSummary;
+
+    fn summary() -> Summary {
+        let phase = |action: &str, contacts: &[&str]| PhaseSummary {
+            action: action.into(),
+            duration: 0.5,
+            contacts: contacts.iter().map(|&c| c.to_owned()).collect(),
+        };
+        Summary {
+            phases: vec![
+                phase("start", &["left_foot on ground_top"]),
+                phase("step", &["right_foot on ground_top"]),
+            ],
+            duration: 1.0,
+            intervals: 20,
+            cost: 2.0,
+            iterations: 30,
+            seconds: 1.5,
+            violation: "none".into(),
+            torque: (0.834, "left_knee_joint".into(), 0.4),
+        }
+    }
+
+    #[test]
+    fn phases_show_the_contacts_that_change() {
+        let text = phases(&summary());
+        assert!(
+            text.contains("1    0.50 s  start  left_foot on ground_top"),
+            "{text}"
+        );
+        assert!(
+            text.contains(
+                "2    0.50 s  step   + right_foot on ground_top, - left_foot on ground_top"
+            ),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn the_largest_torque_is_a_share_of_its_limit() {
+        let text = figures(&summary());
+        assert!(
+            text.contains("83 % of the limit, left_knee_joint at 0.40 s"),
+            "{text}"
+        );
+    }
+}
