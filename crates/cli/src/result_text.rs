@@ -46,8 +46,9 @@ fn heading(scene: &str, feasible: bool, summary: &Summary) -> String {
         "no feasible plan; the best attempt"
     };
     let (phases, intervals) = (summary.phases.len(), summary.intervals);
+    let plural = if phases == 1 { "" } else { "s" };
     format!(
-        "{scene}: {kind}, {phases} phases, {intervals} intervals, {:.2} s\n\n",
+        "{scene}: {kind}, {phases} phase{plural}, {intervals} intervals, {:.2} s\n\n",
         summary.duration
     )
 }
