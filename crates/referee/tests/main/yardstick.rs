@@ -95,14 +95,23 @@ fn floating(motion: &Motion) -> Vec<usize> {
     firsts
 }
 
-/// Our motion, its initial guess, and what IPOPT finds from either.
+/// Where IPOPT starts.
+#[derive(Clone, Copy, PartialEq)]
+enum Starts {
+    /// From our solution and from our initial guess.
+    Both,
+    /// From our solution: a few iterations.
+    Solution,
+}
+
+/// Our motion, and what IPOPT finds from it and from its initial guess.
 struct Comparison {
     motion: Motion,
     from_solution: IpoptReport,
-    from_guess: IpoptReport,
+    from_guess: Option<IpoptReport>,
 }
 
-fn compare(name: &str, steps: usize, preset: Preset) -> Comparison {
+fn compare(name: &str, steps: usize, preset: Preset, starts: Starts) -> Comparison {
     let scene = scene();
     let planner = Planner::new(&scene).expect("a model");
     let settings = Settings::new(preset, &scene.optimiser);
@@ -135,7 +144,8 @@ fn compare(name: &str, steps: usize, preset: Preset) -> Comparison {
         r
     };
     let from_solution = run(&ours, &IpoptOptions::from_solution(), "our solution");
-    let from_guess = run(&guess, &IpoptOptions::default(), "our guess");
+    let from_guess =
+        (starts == Starts::Both).then(|| run(&guess, &IpoptOptions::default(), "our guess"));
     Comparison {
         motion,
         from_solution,
@@ -146,39 +156,48 @@ fn compare(name: &str, steps: usize, preset: Preset) -> Comparison {
 /// No optimum of IPOPT that starts from our solution is more than 1 % better.
 fn assert_not_beaten(c: &Comparison) {
     let (ours, theirs) = (c.motion.report.objective, &c.from_solution);
+    assert!(theirs.violation <= FEASIBLE, "no referee: {theirs:?}");
     assert!(
-        theirs.violation > FEASIBLE || theirs.objective >= ours - SHARE * ours.abs(),
+        theirs.objective >= ours - SHARE * ours.abs(),
         "IPOPT leaves our solution ({ours}) for a better one: {theirs:?}"
     );
-    let cold = &c.from_guess;
-    if cold.violation <= FEASIBLE && cold.objective < ours - SHARE * ours.abs() {
-        println!(
-            "| note: from the guess IPOPT finds another optimum, {} instead of {ours} |",
-            cold.objective
-        );
+    if let Some(cold) = &c.from_guess
+        && cold.violation <= FEASIBLE
+        && cold.objective < ours - SHARE * ours.abs()
+    {
+        // Another local optimum: worth knowing, no fault of the solution that was found.
+        println!("|   a better optimum from the guess: {} |", cold.objective);
     }
 }
 
 #[test]
 #[ignore = "slow: 1 min"]
 fn two_side_steps_are_not_beaten() {
-    assert_not_beaten(&compare("step", 5, Preset::Default));
+    assert_not_beaten(&compare("step", 5, Preset::Default, Starts::Both));
 }
 
 #[test]
 #[ignore = "slow: 1 min"]
 fn the_box_carried_with_fixed_feet_is_not_beaten() {
-    assert_not_beaten(&compare("fixed", 5, Preset::Default));
+    assert_not_beaten(&compare("fixed", 5, Preset::Default, Starts::Both));
 }
 
 #[test]
 #[ignore = "slow: 2 min"]
 fn the_box_carried_with_side_steps_is_not_beaten() {
-    assert_not_beaten(&compare("red_step", 5, Preset::Default));
+    assert_not_beaten(&compare("red_step", 5, Preset::Default, Starts::Both));
 }
 
 #[test]
 #[ignore = "slow: 1 min"]
 fn the_papers_problem_is_not_beaten() {
-    assert_not_beaten(&compare("fixed", 5, Preset::Paper));
+    assert_not_beaten(&compare("fixed", 5, Preset::Paper, Starts::Both));
+}
+
+#[test]
+#[ignore = "slow: 1 min"]
+fn the_sequences_at_full_length_are_not_beaten() {
+    for name in ["step", "fixed", "red_step"] {
+        assert_not_beaten(&compare(name, 10, Preset::Default, Starts::Solution));
+    }
 }
