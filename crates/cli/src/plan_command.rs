@@ -58,7 +58,7 @@ pub(crate) fn load(name: &str) -> Result<Scene, Failure> {
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("toml"))
         || path.components().count() != 1
-        || path.is_file();
+        || path.exists();
     let built_in = Scene::builtin_text(name).is_some();
     Ok(if is_path && !built_in {
         Scene::load(path)?
