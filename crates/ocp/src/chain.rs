@@ -34,11 +34,16 @@ pub struct Motion {
 /// Local offsets of an element's variables.
 #[derive(Debug, Clone, Copy)]
 pub struct Layout {
-    a: Option<usize>,
-    b: Option<usize>,
-    c: Option<usize>,
-    time: Option<usize>,
-    time_next: Option<usize>,
+    /// Node t.
+    pub a: Option<usize>,
+    /// Node t+1.
+    pub b: Option<usize>,
+    /// Node t+2.
+    pub c: Option<usize>,
+    /// Duration of this phase.
+    pub time: Option<usize>,
+    /// Duration of the next interval's phase.
+    pub time_next: Option<usize>,
 }
 
 impl From<&Interval> for Layout {
@@ -63,7 +68,8 @@ pub struct Chain {
     mass: DMatrix<f64>,
     /// Hessian block by q and q, wrenches included.
     pub qq: DMatrix<f64>,
-    qv: DMatrix<f64>,
+    /// Hessian block by q and v.
+    pub qv: DMatrix<f64>,
     vv: DMatrix<f64>,
     qa: DMatrix<f64>,
     /// Gradient of the Lagrangian by v.

@@ -5,14 +5,17 @@
 
 mod chain;
 pub mod collision;
+mod derivatives;
 mod difference;
 mod guess;
+mod momentum;
 pub mod motion;
 mod point;
 mod problem;
 mod program;
 mod relative;
 mod settings;
+mod slip;
 mod system;
 pub mod terms;
 

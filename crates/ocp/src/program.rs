@@ -10,13 +10,13 @@
 use std::sync::Arc;
 
 use crate::collision::{CollisionModel, ExtraClearance};
-use crate::relative::{Carrier, RelativeFrame};
+use crate::relative::{Body, Carrier, RelativeFrame};
 use crate::settings::{Preset, Settings};
 use crate::system::System;
 use crate::terms::{
     ForceTerm, PoseTerm, alignment::Alignment, bounds::Bounds, friction::Friction, grasp::Grasp,
     half_space::HalfSpace, height::Height, place::Place, point_friction::PointFriction,
-    pressure::Pressure, region::Region, support_pressure::SupportPressure, tilt::Tilt,
+    pressure::Pressure, region::Region, slip_velocity, support_pressure::SupportPressure, tilt::Tilt,
     torsion::Torsion,
 };
 use multibody::JointKind;
@@ -137,6 +137,30 @@ pub struct Stick {
     pub block: usize,
 }
 
+/// Sticking of one contact at velocity level, at the node whose velocity an interval uses.
+#[derive(Debug, Clone)]
+pub struct Slip {
+    /// Position in the frames of node t.
+    pub slot: usize,
+    /// True for patches, whose yaw rate is zero too.
+    pub yaw: bool,
+    /// First row within the element.
+    pub first_row: usize,
+    /// Block within the element: increments of nodes t and t+1, then the duration.
+    pub block: usize,
+}
+
+/// How a contact acts on the robot's momentum.
+#[derive(Debug, Clone, Copy)]
+pub struct OnRobot {
+    /// Relative frame of interface a in the world.
+    pub frame: usize,
+    /// Its position in the frames of node t.
+    pub slot: usize,
+    /// 1 where the robot carries a, −1 where it carries b.
+    pub sign: f64,
+}
+
 /// Rows of a contact's wrench.
 #[derive(Debug, Clone)]
 pub struct ForceRows {
@@ -167,6 +191,8 @@ pub struct Force {
     pub scale: [f64; 6],
     /// Scaled wrench that costs nothing.
     pub reference: [f64; 6],
+    /// Its part in the robot's momentum rows.
+    pub on_robot: Option<OnRobot>,
     /// Rows.
     pub rows: Vec<ForceRows>,
 }
@@ -200,8 +226,10 @@ pub struct Interval {
     pub velocity_rows: Option<usize>,
     /// First block of the velocity limits.
     pub velocity_block: usize,
-    /// Sticking contacts.
+    /// Contacts that stick by displacement.
     pub sticks: Vec<Stick>,
+    /// Contacts that stick by velocity.
+    pub slips: Vec<Slip>,
     /// Wrenches.
     pub forces: Vec<Force>,
 }
@@ -231,11 +259,16 @@ pub struct Program {
     pub motion_weights: Vec<(f64, f64)>,
     /// Scale of each row of the equations of motion.
     pub dynamics_scale: Vec<f64>,
+    /// True if the first six rows of the equations of motion are the robot's momentum ([`crate::momentum`]).
+    pub momentum: bool,
     /// For the solver.
     pub structure: Structure,
     /// One label per row of all elements.
     pub labels: Vec<RowLabel>,
 }
+
+/// Time for which a force that counts as one makes a momentum that counts as one [s]: a typical interval.
+const MOMENTUM_STEP: f64 = 0.1;
 
 /// Builds the program step by step.
 struct Builder<'a> {
@@ -278,6 +311,8 @@ impl Program {
                 home: vec![0.0; nv],
                 motion_weights: vec![(0.0, 0.0); nv],
                 dynamics_scale: vec![1.0; nv],
+                momentum: settings.preset == Preset::Paper
+                    && system.robot.joints.first().is_some_and(|j| j.kind == JointKind::FreeFlyer),
                 structure: Structure::default(),
                 labels: vec![],
                 steps,
@@ -338,6 +373,7 @@ impl Builder<'_> {
         let (system, weights) = (&p.system, &p.settings.weights);
         let g = self.scene.gravity.norm();
         let weight = system.robot_mass * g.max(1.0);
+        let impulse = if p.momentum { MOMENTUM_STEP } else { 1.0 };
         for (j, joint) in system.model.joints.iter().enumerate() {
             let object = j >= system.n_robot_joints;
             let i = joint.idx_v;
@@ -345,7 +381,7 @@ impl Builder<'_> {
                 let (force, arm) = if object {
                     ((joint.inertia.mass * g).max(1.0), 0.1)
                 } else {
-                    (weight / 3.0, 0.3)
+                    (weight / 3.0 * impulse, 0.3)
                 };
                 for k in 0..6 {
                     p.dynamics_scale[i + k] = if k < 3 { force } else { force * arm };
@@ -423,11 +459,11 @@ impl Builder<'_> {
         let p = &mut self.program;
         let w = p.settings.weights.clone();
         let world = Carrier {
-            body: crate::relative::Body::World,
+            body: Body::World,
             body_from_frame: Pose::identity(),
         };
         let base = Carrier {
-            body: crate::relative::Body::Joint(0),
+            body: Body::Joint(0),
             body_from_frame: Pose::identity(),
         };
         p.frames
@@ -460,7 +496,8 @@ impl Builder<'_> {
         }
     }
 
-    /// Rows of M a + b − Σ Jᵀλ: base and objects zero, joints within the torque limits. The first block of the element.
+    /// Rows of M a + b − Σ Jᵀλ: base and objects zero, joints within the torque limits; with `momentum` the base's six are
+    /// those of the robot's momentum. The first block of the element.
     fn equations_of_motion(&mut self, t: usize) {
         if !self.program.intervals[t].dynamics {
             return;
@@ -481,16 +518,15 @@ impl Builder<'_> {
                 let element = &mut p.structure.elements[t];
                 element.row_lower.push(-bound);
                 element.row_upper.push(bound);
-                self.labels[t].push(RowLabel {
-                    category: if free {
-                        "equations of motion"
-                    } else {
-                        "torque limit"
-                    },
-                    subject: Subject::Coordinate(i),
-                    scale: p.dynamics_scale[i],
-                    unit: if free && k < 3 { "N" } else { "N m" },
-                });
+                let (category, unit) = match (free, p.momentum && i < 6, k < 3) {
+                    (false, ..) => ("torque limit", "N m"),
+                    (true, true, true) => ("momentum", "N s"),
+                    (true, true, false) => ("momentum", "N m s"),
+                    (true, false, true) => ("equations of motion", "N"),
+                    (true, false, false) => ("equations of motion", "N m"),
+                };
+                let label = label(category, Subject::Coordinate(i), p.dynamics_scale[i], unit);
+                self.labels[t].push(label);
             }
         }
         p.structure.elements[t].blocks.push(BlockStructure {
@@ -578,8 +614,13 @@ impl Builder<'_> {
             if keyframes && t + 1 == n && here {
                 self.contact_rows(t, t + 1, contact, frame);
             }
+            let by_velocity = !keyframes && self.program.settings.preset == Preset::Paper;
             let p = &mut self.program;
             if here && p.nodes[t + 1].var.is_some() && (keyframes || p.intervals[t].v) {
+                if by_velocity {
+                    self.slip_rows(t, contact, frame);
+                    continue;
+                }
                 let slot_a = p.nodes[t].slot(frame);
                 let slot_b = p.nodes[t + 1].slot(frame);
                 let place = Arc::new(Place {
@@ -606,6 +647,54 @@ impl Builder<'_> {
                 });
             }
         }
+    }
+
+    /// Tangential velocity and yaw rate at node t are zero.
+    fn slip_rows(&mut self, t: usize, contact: Contact, frame: usize) {
+        let p = &mut self.program;
+        let slot = p.nodes[t].slot(frame);
+        let yaw = contact.kind.is_patch();
+        let n_rows = slip_velocity::n_rows(yaw);
+        let element = &mut p.structure.elements[t];
+        let (first_row, block) = (element.n_rows(), element.blocks.len());
+        for r in 0..n_rows {
+            element.row_lower.push(0.0);
+            element.row_upper.push(0.0);
+            let unit = if r < 2 { "m/s" } else { "rad/s" };
+            self.labels[t].push(label("contact slip", Subject::Contact(contact), 1.0, unit));
+        }
+        element.blocks.push(BlockStructure { first_row, n_rows, cols: vec![] });
+        p.intervals[t].slips.push(Slip { slot, yaw, first_row, block });
+    }
+
+    /// The part of a contact in the robot's momentum; `None` if it acts on the robot not at all or at both ends.
+    fn on_robot(&mut self, t: usize, contact: Contact) -> Option<OnRobot> {
+        if !self.program.momentum {
+            return None;
+        }
+        let carrier = |i: usize| {
+            let interface = &self.scene.interfaces[i];
+            self.program.system.carrier(interface.owner, &interface.body_from_interface)
+        };
+        let (a, b) = (carrier(contact.a.0), carrier(contact.b.0));
+        let moves_robot = |carrier: &Carrier| match carrier.body {
+            Body::Joint(j) => j < self.program.system.n_robot_joints,
+            Body::World => false,
+        };
+        let sign = match (moves_robot(&a), moves_robot(&b)) {
+            (true, false) => 1.0,
+            (false, true) => -1.0,
+            _ => return None,
+        };
+        let key = (contact.a.0, usize::MAX);
+        let frame = self.keys.iter().position(|k| *k == key).unwrap_or_else(|| {
+            let world = Carrier { body: Body::World, body_from_frame: Pose::identity() };
+            self.program.frames.push(RelativeFrame::new(&self.program.system.model, a, world));
+            self.keys.push(key);
+            self.keys.len() - 1
+        });
+        let slot = self.program.nodes[t].slot(frame);
+        Some(OnRobot { frame, slot, sign })
     }
 
     fn contact_rows(&mut self, element: usize, node: usize, contact: Contact, frame: usize) {
@@ -763,6 +852,7 @@ impl Builder<'_> {
                     max_moment: None,
                 })),
             }
+            let on_robot = self.on_robot(t, contact);
             let p = &mut self.program;
             let interval = &mut p.intervals[t];
             let (first, n) = (
@@ -832,6 +922,7 @@ impl Builder<'_> {
                 n,
                 scale,
                 reference,
+                on_robot,
                 rows,
             });
         }
@@ -846,7 +937,7 @@ impl Builder<'_> {
                 continue;
             };
             let world = Carrier {
-                body: crate::relative::Body::World,
+                body: Body::World,
                 body_from_frame: Pose::identity(),
             };
             let frame = self.program.frames.len();
@@ -980,6 +1071,11 @@ impl Builder<'_> {
                     .collect();
                 e.blocks[stick.block].cols = cols;
             }
+            for slip in &i.slips {
+                let frame = p.nodes[t].frames[slip.slot];
+                let nodes = [i.a, i.b].into_iter().flatten().flat_map(|first| at(first, frame));
+                e.blocks[slip.block].cols = nodes.chain(i.time).collect();
+            }
             for force in &i.forces {
                 for rows in &force.rows {
                     let mut cols: Vec<usize> = (force.first..force.first + force.n).collect();
@@ -1023,7 +1119,7 @@ fn label(category: &'static str, subject: Subject, scale: f64, unit: &'static st
 pub fn goal_body(scene: &Scene, system: &System, name: &str) -> Option<Carrier> {
     if name == "base" {
         return Some(Carrier {
-            body: crate::relative::Body::Joint(0),
+            body: Body::Joint(0),
             body_from_frame: Pose::identity(),
         });
     }

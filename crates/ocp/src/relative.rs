@@ -214,6 +214,24 @@ impl RelativeFrame {
         }
     }
 
+    /// ∂(J W)/∂δ_l for virtual speeds W of the columns: calls `add(l, derivative)`.
+    pub fn virtual_power_gradient(
+        &self,
+        relative: &Relative,
+        virtual_speeds: &[f64],
+        mut add: impl FnMut(usize, Vector6<f64>),
+    ) {
+        let mut prefix = Vector6::zeros();
+        let mut summed = 0;
+        for l in 0..self.cols.len() {
+            while summed < self.end_of_predecessors(l) {
+                prefix += relative.columns[summed] * virtual_speeds[summed];
+                summed += 1;
+            }
+            add(l, bracket(&prefix, &relative.columns[l]));
+        }
+    }
+
     /// Derivatives of λᵀ J W for virtual speeds W of the columns: calls `by_wrench(l, ∂²/∂λ∂δ_l)` and
     /// `by_increments(m, l, ∂²/∂δ_m∂δ_l)` for m ≥ l.
     pub fn virtual_power_hessian(
@@ -253,7 +271,7 @@ impl RelativeFrame {
 
 /// Lie bracket [x, y] of twists, linear part first.
 #[inline]
-fn bracket(x: &Vector6<f64>, y: &Vector6<f64>) -> Vector6<f64> {
+pub(crate) fn bracket(x: &Vector6<f64>, y: &Vector6<f64>) -> Vector6<f64> {
     let (vx, wx) = (x.fixed_rows::<3>(0), x.fixed_rows::<3>(3));
     let (vy, wy) = (y.fixed_rows::<3>(0), y.fixed_rows::<3>(3));
     let linear = wx.cross(&vy) + vx.cross(&wy);
@@ -265,7 +283,7 @@ fn bracket(x: &Vector6<f64>, y: &Vector6<f64>) -> Vector6<f64> {
 
 /// ad(x)ᵀ g, so that gᵀ[x, y] = (ad(x)ᵀ g)·y.
 #[inline]
-fn bracket_transpose(x: &Vector6<f64>, g: &Vector6<f64>) -> Vector6<f64> {
+pub(crate) fn bracket_transpose(x: &Vector6<f64>, g: &Vector6<f64>) -> Vector6<f64> {
     let (v, w) = (x.fixed_rows::<3>(0), x.fixed_rows::<3>(3));
     let (f, n) = (g.fixed_rows::<3>(0), g.fixed_rows::<3>(3));
     // g·[x, y] = f·(w × y_v) + f·(v × y_w) + n·(w × y_w)

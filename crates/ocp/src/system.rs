@@ -14,6 +14,8 @@ use spatial::{Inertia, Pose};
 pub struct System {
     /// Robot joints first, then one free flyer per object.
     pub model: Model,
+    /// The robot alone: the first joints of `model`, with the same indices.
+    pub robot: Model,
     /// Number of joints of the robot model.
     pub n_robot_joints: usize,
     /// Length of the robot's part of q.
@@ -58,6 +60,7 @@ impl System {
             robot_nq: robot.nq,
             robot_nv: robot.nv,
             robot_mass: robot.total_mass(),
+            robot: robot.clone(),
             model,
         })
     }

@@ -17,6 +17,7 @@ pub mod pressure;
 pub mod region;
 pub mod registry;
 pub mod sigmoid;
+pub mod slip_velocity;
 pub mod support_pressure;
 pub mod tilt;
 pub mod torsion;

@@ -215,3 +215,15 @@ fn the_keyframe_program_matches_central_differences() {
         check(seed, Grid::Keyframes, Preset::Default);
     }
 }
+
+#[test]
+fn the_paper_program_matches_central_differences() {
+    for seed in 0..4 {
+        check(seed, Grid::Motion, Preset::Paper);
+    }
+}
+
+#[test]
+fn the_paper_keyframe_program_matches_central_differences() {
+    check(0, Grid::Keyframes, Preset::Paper);
+}

@@ -1,0 +1,290 @@
+//! First and second derivatives of the whole program; values are in [`crate::problem`].
+
+use crate::chain::Motion;
+use crate::momentum::Context;
+use crate::point::Point;
+use crate::problem::{Trajectory, element_nodes, physical_wrench, posture_cost, velocity_scale};
+use crate::slip::Place;
+use nalgebra::Vector6;
+use solver::ElementData;
+
+impl Trajectory {
+    /// Gradient, Jacobians and Hessian of interval `t`; `y` are the multipliers of its rows.
+    pub(crate) fn derivatives(&mut self, x: &Point, t: usize, y: &[f64], out: &mut ElementData) {
+        let n = self.program.structure.elements[t].vars.len();
+        out.gradient.fill(0.0);
+        out.hessian.fill(0.0);
+        self.motion_derivatives(x, t, y, out);
+        let program = &self.program;
+        let interval = &program.intervals[t];
+        let s = &mut self.scratch;
+        // Sticking: −φ(X_t) + φ(X_{t+1}).
+        for stick in &interval.sticks {
+            use crate::terms::PoseTerm;
+            let rows = stick.place.n_rows();
+            let frame = &program.frames[program.nodes[t].frames[stick.slot_a]];
+            let jacobian = &mut out.jacobians[stick.block];
+            let mut column = 0;
+            let sides = [
+                (interval.a, t, stick.slot_a, -1.0),
+                (interval.b, t + 1, stick.slot_b, 1.0),
+            ];
+            for (first, node, slot, sign) in sides {
+                let Some(first) = first else { continue };
+                let relative = &self.nodes[node].relatives[slot];
+                stick
+                    .place
+                    .gradients(&relative.b_from_a, &mut s.gradients[..rows]);
+                for j in &relative.columns {
+                    for r in 0..rows {
+                        jacobian[column * rows + r] = sign * s.gradients[r].dot(j);
+                    }
+                    column += 1;
+                }
+                let weights: Vec<f64> = (0..rows).map(|r| sign * y[stick.first_row + r]).collect();
+                let gradient = weighted_sum(&s.gradients[..rows], &weights);
+                let hessian = stick.place.hessian(&relative.b_from_a, &weights);
+                frame.pose_hessian(relative, &gradient, &hessian, |k, l, value| {
+                    let (i, j) = (first + frame.cols[k], first + frame.cols[l]);
+                    out.hessian[i.min(j) * n + i.max(j)] += value;
+                });
+            }
+        }
+        for node in element_nodes(program, t) {
+            let Some(first) = (if node == t { interval.a } else { interval.b }) else {
+                continue;
+            };
+            for term in &program.nodes[node].terms {
+                let frame = &program.frames[program.nodes[node].frames[term.slot]];
+                let relative = &self.nodes[node].relatives[term.slot];
+                let gradients = &mut s.gradients[..term.n_rows];
+                term.term.gradients(&relative.b_from_a, gradients);
+                let jacobian = &mut out.jacobians[term.block];
+                for (c, j) in relative.columns.iter().enumerate() {
+                    for r in 0..term.n_rows {
+                        jacobian[c * term.n_rows + r] = gradients[r].dot(j);
+                    }
+                }
+                let weights = &y[term.first_row..term.first_row + term.n_rows];
+                if weights.iter().all(|w| w.abs() < 1e-9) {
+                    continue;
+                }
+                let gradient = weighted_sum(gradients, weights);
+                let hessian = term.term.hessian(&relative.b_from_a, weights);
+                frame.pose_hessian(relative, &gradient, &hessian, |k, l, value| {
+                    let (i, j) = (first + frame.cols[k], first + frame.cols[l]);
+                    out.hessian[i.min(j) * n + i.max(j)] += value;
+                });
+            }
+            for cost in &program.nodes[node].costs {
+                let frame = &program.frames[program.nodes[node].frames[cost.slot]];
+                let relative = &self.nodes[node].relatives[cost.slot];
+                let gradients = &mut s.gradients[..cost.weights.len()];
+                cost.term.gradients(&relative.b_from_a, gradients);
+                let gradient = weighted_sum(gradients, &cost.weights);
+                for (&col, j) in frame.cols.iter().zip(&relative.columns) {
+                    out.gradient[first + col] += gradient.dot(j);
+                }
+                let hessian = cost.term.hessian(&relative.b_from_a, &cost.weights);
+                frame.pose_hessian(relative, &gradient, &hessian, |k, l, value| {
+                    let (i, j) = (first + frame.cols[k], first + frame.cols[l]);
+                    out.hessian[i.min(j) * n + i.max(j)] += value;
+                });
+            }
+            posture_cost(program, node, &x.nodes[node], |i, gradient, curvature| {
+                out.gradient[first + i] += gradient;
+                out.hessian[(first + i) * n + first + i] += curvature;
+            });
+        }
+        self.force_derivatives(x, t, y, out);
+    }
+
+    /// Equations of motion, velocity limits, motion and duration costs.
+    fn motion_derivatives(&mut self, x: &Point, t: usize, y: &[f64], out: &mut ElementData) {
+        self.motion(x, t);
+        let program = &self.program;
+        let interval = &program.intervals[t];
+        let n = program.structure.elements[t].vars.len();
+        let nv = program.system.model.nv;
+        let s = &mut self.scratch;
+        if interval.v {
+            self.differences[t].linearise();
+        }
+        if interval.v_next {
+            self.differences[t + 1].linearise();
+        }
+        let here = interval.v.then(|| &self.differences[t]);
+        let next = interval.v_next.then(|| &self.differences[t + 1]);
+        let layout = interval.into();
+        if interval.dynamics {
+            for i in 0..nv {
+                s.weights[i] = y[i] / program.dynamics_scale[i];
+            }
+            if program.momentum {
+                s.weights[..6].fill(0.0);
+            }
+            let Motion { v, a, .. } = &s.chain.motion;
+            let model = &program.system.model;
+            let kinematics = &self.nodes[t].kinematics;
+            s.derivatives.compute(model, kinematics, v, a);
+            s.hessian.compute(model, kinematics, v, a, &s.weights);
+            s.chain.start(&s.derivatives, &s.hessian);
+            for force in &interval.forces {
+                let wrench = physical_wrench(force, &x.wrenches[t]);
+                let relative = &self.nodes[t].relatives[force.slot];
+                let frame = &program.frames[force.frame];
+                let cols = &frame.cols;
+                let by_q = &mut s.chain.by_q;
+                frame.wrench_jacobian(relative, &wrench, |k, l, value| {
+                    by_q[(cols[k], cols[l])] -= value
+                });
+                for (k, &col) in cols.iter().enumerate() {
+                    s.virtual_speeds[k] = s.weights[col];
+                }
+                let qq = &mut s.chain.qq;
+                frame.virtual_power_hessian(
+                    relative,
+                    &wrench,
+                    &s.virtual_speeds[..cols.len()],
+                    |l, by_wrench| {
+                        if let Some(first) = interval.a {
+                            for i in 0..force.n {
+                                out.hessian[(force.first + i) * n + first + cols[l]] -=
+                                    by_wrench[i] * force.scale[i];
+                            }
+                        }
+                    },
+                    |m, l, value| {
+                        qq[(cols[m], cols[l])] -= value;
+                        if m != l {
+                            qq[(cols[l], cols[m])] -= value;
+                        }
+                    },
+                );
+                // Columns of the wrench.
+                let jacobian = &mut out.jacobians[0];
+                for i in 0..force.n {
+                    let column = &mut jacobian[(force.first + i) * nv..(force.first + i + 1) * nv];
+                    column.fill(0.0);
+                    for (&col, j) in cols.iter().zip(&relative.columns) {
+                        column[col] = -j[i] * force.scale[i] / program.dynamics_scale[col];
+                    }
+                }
+            }
+            s.chain.rows(
+                here,
+                next,
+                &layout,
+                &program.dynamics_scale,
+                &mut s.rows,
+                &mut out.jacobians[0],
+            );
+            s.chain.gradients_from_weights(&s.weights);
+            if program.momentum {
+                let pushes = program.pushes(x, t, &self.nodes[t].relatives);
+                let kinematics = [&self.nodes[t].kinematics, &self.nodes[t + 1].kinematics];
+                let at = Context::new(program, t, kinematics, [here, next], &pushes);
+                s.momentum.derivatives(&at, y, &mut s.chain, out);
+            }
+            for slip in &interval.slips {
+                let frame = &program.frames[program.nodes[t].frames[slip.slot]];
+                let at = Place {
+                    frame,
+                    relative: &self.nodes[t].relatives[slip.slot],
+                };
+                s.slips
+                    .derivatives(slip, at, here, &layout, y, &mut s.chain, out);
+            }
+        } else {
+            s.chain.start_empty();
+        }
+        // Velocity limits: rows and their part of ∂L/∂v.
+        if let Some(first) = interval.velocity_rows {
+            for (k, joint) in program.system.actuated().enumerate() {
+                let scale = velocity_scale(joint.velocity_limit);
+                let i = joint.idx_v;
+                let dt = s.chain.motion.dt;
+                let jacobian = &mut out.jacobians[interval.velocity_block + k];
+                let mut c = 0;
+                if interval.a.is_some() {
+                    jacobian[c] = -1.0 / (dt * scale);
+                    c += 1;
+                }
+                if interval.b.is_some() {
+                    jacobian[c] = 1.0 / (dt * scale);
+                    c += 1;
+                }
+                jacobian[c] = -s.chain.motion.v[i] / (dt * s.chain.motion.steps * scale);
+                s.chain.by_v_gradient[i] += y[first + k] / scale;
+            }
+        }
+        s.chain
+            .add_costs(&program.motion_weights, interval.dynamics);
+        s.chain
+            .finish(here, next, &layout, &mut out.gradient, &mut out.hessian);
+        if let (true, Some(time)) = (interval.dynamics, interval.time) {
+            out.gradient[time] += program.settings.weights.time / s.chain.motion.steps;
+        }
+    }
+
+    fn force_derivatives(&mut self, x: &Point, t: usize, y: &[f64], out: &mut ElementData) {
+        let program = &self.program;
+        let interval = &program.intervals[t];
+        let n = program.structure.elements[t].vars.len();
+        let s = &mut self.scratch;
+        for force in &interval.forces {
+            let wrench = physical_wrench(force, &x.wrenches[t]);
+            let relative = &self.nodes[t].relatives[force.slot];
+            let frame = &program.frames[force.frame];
+            for i in 0..force.n {
+                let v = force.first + i;
+                let difference = x.wrenches[t][v] - force.reference[i];
+                out.gradient[v] += program.settings.weights.force * difference;
+                out.hessian[v * n + v] += program.settings.weights.force;
+            }
+            for rows in &force.rows {
+                let m = rows.n_rows;
+                let gradients = &mut s.force_gradients[..m];
+                rows.term.gradients(&relative.b_from_a, &wrench, gradients);
+                let jacobian = &mut out.jacobians[rows.block];
+                for i in 0..force.n {
+                    for r in 0..m {
+                        jacobian[i * m + r] = gradients[r].1[i] * force.scale[i];
+                    }
+                }
+                let weights = &y[rows.first_row..rows.first_row + m];
+                let h = rows.term.hessian(&relative.b_from_a, &wrench, weights);
+                for j in 0..force.n {
+                    for i in j..force.n {
+                        out.hessian[(force.first + j) * n + force.first + i] +=
+                            h.wrench[(i, j)] * force.scale[i] * force.scale[j];
+                    }
+                }
+                let (true, Some(first)) = (rows.term.uses_pose(), interval.a) else {
+                    continue;
+                };
+                for (c, j) in relative.columns.iter().enumerate() {
+                    for r in 0..m {
+                        jacobian[(force.n + c) * m + r] = gradients[r].0.dot(j);
+                    }
+                }
+                for (&col, j) in frame.cols.iter().zip(&relative.columns) {
+                    let mixed = h.mixed.tr_mul(j);
+                    for i in 0..force.n {
+                        out.hessian[(force.first + i) * n + first + col] +=
+                            mixed[i] * force.scale[i];
+                    }
+                }
+                let gradient = gradients.iter().zip(weights).map(|(g, w)| g.0 * *w).sum();
+                frame.pose_hessian(relative, &gradient, &h.pose, |k, l, value| {
+                    let (i, j) = (first + frame.cols[k], first + frame.cols[l]);
+                    out.hessian[i.min(j) * n + i.max(j)] += value;
+                });
+            }
+        }
+    }
+}
+
+fn weighted_sum(gradients: &[Vector6<f64>], weights: &[f64]) -> Vector6<f64> {
+    gradients.iter().zip(weights).map(|(g, w)| g * *w).sum()
+}
