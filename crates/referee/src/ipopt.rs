@@ -38,7 +38,7 @@ impl Default for IpoptOptions {
         Self {
             max_iterations: 500,
             tolerance: 1e-6,
-            time_limit: 240.0,
+            time_limit: 120.0,
             bound_push: 1e-2,
             first_barrier: 0.1,
         }
