@@ -1,3 +1,4 @@
 //! Tests of the trajectory problem as a whole.
 mod derivatives;
+mod paper;
 mod scenes;

@@ -1,0 +1,101 @@
+//! The paper's preset on the G1: given contact sequences of the scene "yardstick" converge.
+//!
+//! Run with `--release -- --ignored --nocapture`; each test prints iterations and time.
+
+use ocp::{Motion, Phase, Planner, Preset, Settings};
+use scene::Scene;
+use symbolic::{Contact, ContactState, ContactType, InterfaceId};
+
+type Pair = (&'static str, &'static str);
+
+const LEFT: Pair = ("left_foot", "ground_top");
+const RIGHT: Pair = ("right_foot", "ground_top");
+const GRASP: Pair = ("left_hand", "red_box_handle");
+const ON_A: Pair = ("red_box_bottom", "table_a_top");
+const ON_B: Pair = ("red_box_bottom", "table_b_top");
+
+/// Solves a sequence with `steps` intervals per phase.
+fn solve(name: &str, states: &[&[Pair]], steps: usize) -> Motion {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/yardstick.toml");
+    let scene = Scene::load(std::path::Path::new(path)).expect("the scene is sound");
+    let contact = |&(a, b): &Pair| {
+        let kind = if (a, b) == GRASP {
+            ContactType::BilateralPatch
+        } else {
+            ContactType::UnilateralPatch
+        };
+        let id = |name: &str| {
+            scene
+                .interfaces
+                .iter()
+                .position(|i| i.name == name)
+                .map(InterfaceId)
+        };
+        Contact {
+            a: id(a).expect("an interface"),
+            b: id(b).expect("an interface"),
+            kind,
+        }
+    };
+    let phases: Vec<Phase> = states
+        .iter()
+        .map(|pairs| Phase {
+            state: ContactState {
+                contacts: pairs.iter().map(contact).collect(),
+            },
+            steps,
+        })
+        .collect();
+    let planner = Planner::new(&scene).expect("a model");
+    let settings = Settings::new(Preset::Paper, &scene.optimiser);
+    let keyframes = planner.keyframes(&phases, &settings);
+    assert!(
+        keyframes.possible,
+        "{name}: keyframes {:?}",
+        keyframes.worst
+    );
+    let motion = planner.motion(&phases, &settings, &keyframes.nodes, &mut |_| true);
+    println!(
+        "{name}, {} phases of {steps}: {:?}, {} iterations, {:.1} s, {:.0} ms each, violation {:.1e}, objective {:.4}",
+        phases.len(),
+        motion.report.status,
+        motion.iterations,
+        motion.seconds,
+        1e3 * motion.seconds / motion.iterations.max(1) as f64,
+        motion.report.violation,
+        motion.report.objective,
+    );
+    motion
+}
+
+fn converges(name: &str, states: &[&[Pair]], steps: usize) {
+    let motion = solve(name, states, steps);
+    assert!(motion.report.violation < 1e-6, "{name}: {:?}", motion.worst);
+}
+
+#[test]
+#[ignore = "slow: the G1, two side steps"]
+fn side_steps_converge() {
+    let both: &[Pair] = &[LEFT, RIGHT, ON_A];
+    converges(
+        "step",
+        &[both, &[RIGHT, ON_A], both, &[LEFT, ON_A], both],
+        10,
+    );
+}
+
+#[test]
+#[ignore = "slow: the G1 and a box"]
+fn carrying_a_box_with_fixed_feet_converges() {
+    converges(
+        "fixed",
+        &[
+            &[LEFT, RIGHT, ON_A],
+            &[LEFT, RIGHT, GRASP, ON_A],
+            &[LEFT, RIGHT, GRASP],
+            &[LEFT, RIGHT, GRASP, ON_B],
+            &[LEFT, RIGHT, ON_B],
+        ],
+        10,
+    );
+}
