@@ -18,7 +18,7 @@ pub(crate) fn write(finished: &Finished) -> String {
         text += &phases(&found.summary);
         text += &figures(&found.summary);
     } else {
-        text += &format!("{}: no plan\n", finished.scene);
+        let _ = writeln!(text, "{}: no plan", finished.scene);
     }
     let tried = outcome.attempts.len();
     let sequences = if tried == 1 { "sequence" } else { "sequences" };
