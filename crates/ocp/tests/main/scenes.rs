@@ -32,6 +32,7 @@ fn interface(
         mu: 0.7,
         mu_r: 0.03,
         overhang: false,
+        lands: true,
     }
 }
 
