@@ -205,6 +205,7 @@ impl Momentum {
     }
 
     /// −dt · (weight and wrenches about the centre of mass at node t).
+    #[allow(clippy::too_many_lines)] // by the wrench, by increments of a, by the centre of mass: one derivation
     fn rate(&mut self, at: &Context, y: &Vector6<f64>, chain: &mut Chain, out: &mut ElementData) {
         let nv = chain.qq.nrows();
         let n = out.gradient.len();

@@ -51,6 +51,7 @@ impl Slips {
     }
 
     /// Jacobian rows, and the Hessian for the multipliers `y` of the element's rows.
+    #[allow(clippy::too_many_arguments)] // the parts of one interval; one caller
     pub fn derivatives(
         &mut self,
         slip: &Slip,
