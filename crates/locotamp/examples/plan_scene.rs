@@ -8,9 +8,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Ok(scene) => scene,
         Err(_) => scene::Scene::load(std::path::Path::new(&arguments[1]))?,
     };
-    let outcome = locotamp::plan(&scene, &Request { solutions: std::env::var("SOL").map_or(3, |s| s.parse().unwrap_or(3)), ..Request::default() }, &mut |event| {
+    let outcome = locotamp::plan(&scene, &Request::default(), &mut |event| {
         match event {
-            Event::Iteration { iteration, violation, objective, .. } => {
+            Event::Iteration {
+                iteration,
+                violation,
+                objective,
+                ..
+            } => {
                 if std::env::var("VERBOSE").is_ok() {
                     println!("{iteration:4} {objective:10.4} {violation:.2e}");
                 }

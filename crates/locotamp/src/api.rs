@@ -21,7 +21,13 @@ pub struct Request {
 
 impl Default for Request {
     fn default() -> Self {
-        Self { preset: Preset::Default, seed: 0, time_limit: f64::INFINITY, solutions: 3, max_optimised: 200 }
+        Self {
+            preset: Preset::Default,
+            seed: 0,
+            time_limit: f64::INFINITY,
+            solutions: 2,
+            max_optimised: 200,
+        }
     }
 }
 
@@ -143,7 +149,9 @@ pub enum Error {
     #[error("{0}")]
     Symbolic(#[from] SymbolicError),
     /// The start pose is in collision.
-    #[error("the start pose is in collision: {a} is {depth_mm:.0} mm inside {b}; move one of them, or change the start joints")]
+    #[error(
+        "the start pose is in collision: {a} is {depth_mm:.0} mm inside {b}; move one of them, or change the start joints"
+    )]
     StartInCollision {
         /// One body.
         a: String,

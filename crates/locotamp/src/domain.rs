@@ -3,7 +3,10 @@
 use crate::api::Error;
 use nalgebra::Vector3;
 use scene::{Objective, Owner, Role, Scene};
-use symbolic::{ContactState, ContactType, Domain, Goal, GoalPair, GraphOptions, InterfaceId, SearchLimits, SkeletonGraph};
+use symbolic::{
+    ContactState, ContactType, Domain, Goal, GoalPair, GraphOptions, InterfaceId, SearchLimits,
+    SkeletonGraph,
+};
 
 /// Cosine of the angle from which on two normals count as opposite.
 const OPPOSITE: f64 = -0.98;
@@ -70,7 +73,15 @@ fn squeezes(scene: &Scene) -> Vec<(InterfaceId, InterfaceId)> {
 pub fn graph(scene: &Scene) -> Result<(SkeletonGraph, SearchLimits), Error> {
     let start: ContactState = scene.start_contacts.iter().copied().collect();
     let goal = Goal {
-        pairs: scene.goal_contacts.iter().map(|g| GoalPair { a: g.a, b: g.b, kind: None }).collect(),
+        pairs: scene
+            .goal_contacts
+            .iter()
+            .map(|g| GoalPair {
+                a: g.a,
+                b: g.b,
+                kind: None,
+            })
+            .collect(),
     };
     let options = GraphOptions {
         max_changes: scene.search.max_changes,
@@ -83,12 +94,16 @@ pub fn graph(scene: &Scene) -> Result<(SkeletonGraph, SearchLimits), Error> {
         ending: ending(scene),
         ..SearchLimits::default()
     };
-    Ok((SkeletonGraph::new(domain(scene)?, start, goal, options)?, limits))
+    Ok((
+        SkeletonGraph::new(domain(scene)?, start, goal, options)?,
+        limits,
+    ))
 }
 
 /// Sequences end in the first goal state; without goal contacts but with regions or an objective, anywhere.
 fn ending(scene: &Scene) -> Option<symbolic::Ending> {
     let open = scene.goal_contacts.is_empty();
-    let anywhere = open && (!scene.goal_regions.is_empty() || scene.objective == Objective::BaseHeight);
+    let anywhere =
+        open && (!scene.goal_regions.is_empty() || scene.objective == Objective::BaseHeight);
     anywhere.then_some(symbolic::Ending::Every)
 }

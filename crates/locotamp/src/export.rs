@@ -4,8 +4,9 @@ use multibody::{Centroidal, Kinematics};
 use nalgebra::Vector3;
 use ocp::{Motion, Preset};
 use plan::{
-    Contact, ContactType, Dynamics, Extra, Geometry, GoalContact, GoalRegion, Integrator, Interface, InterfaceKind,
-    Object, ObjectStates, Objective, Phase, Plan, Robot, StaticBody, Status,
+    Contact, ContactType, Dynamics, Extra, Geometry, GoalContact, GoalRegion, Integrator,
+    Interface, InterfaceKind, Object, ObjectStates, Objective, Phase, Plan, Robot, StaticBody,
+    Status,
 };
 use scene::{Owner, PlacedShape, Scene, Shape};
 use spatial::Pose;
@@ -15,7 +16,10 @@ use std::collections::BTreeMap;
 pub fn plan(scene: &Scene, labels: &[String], motion: &mut Motion) -> Plan {
     let point = motion.point.clone();
     let n = motion.trajectory.program.n_intervals();
-    let (nq, nv) = (motion.trajectory.program.system.robot_nq, motion.trajectory.program.system.robot_nv);
+    let (nq, nv) = (
+        motion.trajectory.program.system.robot_nq,
+        motion.trajectory.program.system.robot_nv,
+    );
     let (mut v, mut a, mut tau) = (Vec::new(), Vec::new(), Vec::new());
     let mut dt = Vec::new();
     for t in 0..n {
@@ -33,9 +37,19 @@ pub fn plan(scene: &Scene, labels: &[String], motion: &mut Motion) -> Plan {
         object_states.insert(
             object.name.clone(),
             ObjectStates {
-                pose: point.nodes.iter().map(|q| std::array::from_fn(|i| q[q0 + i])).collect(),
-                twist: v.iter().map(|v| std::array::from_fn(|i| v[v0 + i])).collect(),
-                accel: a.iter().map(|a| std::array::from_fn(|i| a[v0 + i])).collect(),
+                pose: point
+                    .nodes
+                    .iter()
+                    .map(|q| std::array::from_fn(|i| q[q0 + i]))
+                    .collect(),
+                twist: v
+                    .iter()
+                    .map(|v| std::array::from_fn(|i| v[v0 + i]))
+                    .collect(),
+                accel: a
+                    .iter()
+                    .map(|a| std::array::from_fn(|i| a[v0 + i]))
+                    .collect(),
                 extra: Extra::new(),
             },
         );
@@ -45,12 +59,17 @@ pub fn plan(scene: &Scene, labels: &[String], motion: &mut Motion) -> Plan {
         *sum += dt;
         Some(*sum)
     }));
-    let robot = |rows: &[Vec<f64>], width: usize| rows.iter().map(|r| r[..width].to_vec()).collect();
+    let robot =
+        |rows: &[Vec<f64>], width: usize| rows.iter().map(|r| r[..width].to_vec()).collect();
     Plan {
         format: "locotamp.plan/1".into(),
         generator: concat!("locotamp ", env!("CARGO_PKG_VERSION")).into(),
         task: scene.name.clone(),
-        status: if motion.feasible { Status::Feasible } else { Status::Infeasible },
+        status: if motion.feasible {
+            Status::Feasible
+        } else {
+            Status::Infeasible
+        },
         objective: Some(Objective {
             name: "time".into(),
             value: time[n],
@@ -72,7 +91,10 @@ pub fn plan(scene: &Scene, labels: &[String], motion: &mut Motion) -> Plan {
                 program
                     .system
                     .actuated()
-                    .map(|j| (program.settings.torque_limits && j.torque_limit.is_finite()).then_some(j.torque_limit))
+                    .map(|j| {
+                        (program.settings.torque_limits && j.torque_limit.is_finite())
+                            .then_some(j.torque_limit)
+                    })
                     .collect(),
             ),
             extra: Extra::new(),
@@ -81,9 +103,17 @@ pub fn plan(scene: &Scene, labels: &[String], motion: &mut Motion) -> Plan {
         environment: scene
             .statics
             .iter()
-            .map(|s| StaticBody { name: s.name.clone(), geometry: geometry(&s.shapes), extra: Extra::new() })
+            .map(|s| StaticBody {
+                name: s.name.clone(),
+                geometry: geometry(&s.shapes),
+                extra: Extra::new(),
+            })
             .collect(),
-        interfaces: scene.interfaces.iter().map(|i| interface(scene, i)).collect(),
+        interfaces: scene
+            .interfaces
+            .iter()
+            .map(|i| interface(scene, i))
+            .collect(),
         goal: scene
             .goal_contacts
             .iter()
@@ -155,7 +185,10 @@ fn phases(scene: &Scene, labels: &[String], motion: &Motion) -> Vec<Phase> {
             .forces
             .iter()
             .map(|force| {
-                let (a, b) = (&scene.interfaces[force.contact.a.0], &scene.interfaces[force.contact.b.0]);
+                let (a, b) = (
+                    &scene.interfaces[force.contact.a.0],
+                    &scene.interfaces[force.contact.b.0],
+                );
                 Contact {
                     a: a.name.clone(),
                     b: b.name.clone(),
@@ -176,7 +209,11 @@ fn phases(scene: &Scene, labels: &[String], motion: &Motion) -> Vec<Phase> {
                 let world_from_a = carrier.world_from_frame(&kinematics);
                 let wrench = ocp::physical_wrench(force, &motion.point.wrenches[t]);
                 let turn = |first: usize| {
-                    world_from_a.rotate(Vector3::new(wrench[first], wrench[first + 1], wrench[first + 2]))
+                    world_from_a.rotate(Vector3::new(
+                        wrench[first],
+                        wrench[first + 1],
+                        wrench[first + 2],
+                    ))
                 };
                 let (f, m) = (turn(0), turn(3));
                 contact.wrench.push([f.x, f.y, f.z, m.x, m.y, m.z]);
@@ -213,7 +250,11 @@ fn interface(scene: &Scene, i: &scene::Interface) -> Interface {
         name: i.name.clone(),
         body,
         pose: i.body_from_interface.to_xyzquat(),
-        kind: if i.patch { InterfaceKind::Patch } else { InterfaceKind::Point },
+        kind: if i.patch {
+            InterfaceKind::Patch
+        } else {
+            InterfaceKind::Point
+        },
         half_size: i.half_size.map(|h| h.map(Some)),
         limb: Some([i.limb.x, i.limb.y, i.limb.z]),
         extra: Extra::new(),
@@ -225,7 +266,14 @@ fn object(o: &scene::Object) -> Object {
     Object {
         name: o.name.clone(),
         mass: o.mass,
-        inertia: [i[(0, 0)], i[(1, 1)], i[(2, 2)], i[(0, 1)], i[(0, 2)], i[(1, 2)]],
+        inertia: [
+            i[(0, 0)],
+            i[(1, 1)],
+            i[(2, 2)],
+            i[(0, 1)],
+            i[(0, 2)],
+            i[(1, 2)],
+        ],
         geometry: geometry(&o.shapes),
         extra: Extra::new(),
     }
@@ -241,12 +289,19 @@ fn geometry(shapes: &[PlacedShape]) -> Vec<Geometry> {
     shapes
         .iter()
         .map(|s| match &s.shape {
-            Shape::Box { half_size } => Geometry::cuboid((*half_size).into(), s.body_from_shape.to_xyzquat()),
+            Shape::Box { half_size } => {
+                Geometry::cuboid((*half_size).into(), s.body_from_shape.to_xyzquat())
+            }
             Shape::HalfSpace => Geometry::half_space(s.body_from_shape.to_xyzquat()),
             Shape::Sphere { radius } => around([*radius; 3], &s.body_from_shape, *radius),
-            Shape::Capsule { radius, half_length } => {
-                around([*radius, *radius, radius + half_length], &s.body_from_shape, *radius)
-            }
+            Shape::Capsule {
+                radius,
+                half_length,
+            } => around(
+                [*radius, *radius, radius + half_length],
+                &s.body_from_shape,
+                *radius,
+            ),
         })
         .collect()
 }

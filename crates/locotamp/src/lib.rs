@@ -11,7 +11,7 @@ mod search;
 mod summary;
 
 pub use api::{Attempt, Error, Event, Found, Outcome, Reached, Request};
-pub use domain::domain;
+pub use domain::{domain, graph};
 pub use ocp::Preset;
 pub use search::plan;
 pub use summary::{PhaseSummary, Summary};

@@ -19,7 +19,11 @@ const START_OVERLAP: f64 = 0.005;
 ///
 /// # Errors
 /// If the scene is no planning problem: start in collision, goal out of reach of every manipulation.
-pub fn plan(scene: &Scene, request: &Request, observe: &mut dyn FnMut(&Event) -> bool) -> Result<Outcome, Error> {
+pub fn plan(
+    scene: &Scene,
+    request: &Request,
+    observe: &mut dyn FnMut(&Event) -> bool,
+) -> Result<Outcome, Error> {
     let begin = Instant::now();
     let planner = Planner::new(scene)?;
     check_start(scene, &planner)?;
@@ -49,7 +53,7 @@ pub fn plan(scene: &Scene, request: &Request, observe: &mut dyn FnMut(&Event) ->
         observe,
         attempts: vec![],
         best: None,
-        tried_prefixes: BTreeSet::new(),
+        possible_prefixes: BTreeSet::new(),
     };
     let ended = run.search(search);
     let best = run.best.map(|(mut motion, sequence)| {
@@ -76,7 +80,7 @@ struct Run<'a> {
     observe: &'a mut dyn FnMut(&Event) -> bool,
     attempts: Vec<Attempt>,
     best: Option<(Motion, Sequence)>,
-    tried_prefixes: BTreeSet<Vec<symbolic::ContactState>>,
+    possible_prefixes: BTreeSet<Vec<symbolic::ContactState>>,
 }
 
 /// Ends the symbolic search when time is up.
@@ -94,7 +98,10 @@ impl Oracle for Clock {
 impl Run<'_> {
     /// Tries sequences until enough plans are found; says why it ended.
     fn search(&mut self, mut search: BestFirst) -> String {
-        let mut clock = Clock { deadline: self.request.time_limit, begin: self.begin };
+        let mut clock = Clock {
+            deadline: self.request.time_limit,
+            begin: self.begin,
+        };
         let (mut feasible, mut optimised) = (0, 0);
         for number in 1.. {
             if self.stopped {
@@ -108,7 +115,9 @@ impl Run<'_> {
             }
             let Some(sequence) = search.next(&mut clock) else {
                 return match search.status() {
-                    symbolic::Status::Stopped => format!("time limit of {} s", self.request.time_limit),
+                    symbolic::Status::Stopped => {
+                        format!("time limit of {} s", self.request.time_limit)
+                    }
                     symbolic::Status::Full => "memory limit of the sequence search".into(),
                     _ => format!(
                         "all contact sequences of at most {} phases were tried",
@@ -130,20 +139,31 @@ impl Run<'_> {
     fn attempt(&mut self, number: usize, sequence: &Sequence, search: &mut BestFirst) -> Attempt {
         let start = Instant::now();
         let labels = sequence.labels.clone();
-        self.tell(&Event::Sequence { number, labels: labels.clone() });
+        self.tell(&Event::Sequence {
+            number,
+            labels: labels.clone(),
+        });
         let phases = self.phases(sequence);
         let keyframes = self.planner.keyframes(&phases, &self.settings);
         let mut attempt = Attempt {
             number,
             labels,
             reached: Reached::Keyframes,
-            reason: keyframes.worst.as_ref().filter(|_| !keyframes.possible).map(|w| summary::words(self.scene, w)),
+            reason: keyframes
+                .worst
+                .as_ref()
+                .filter(|_| !keyframes.possible)
+                .map(|w| summary::words(self.scene, w)),
             cost: None,
             iterations: 0,
             seconds: 0.0,
         };
         let (possible, reason) = (keyframes.possible, attempt.reason.clone());
-        self.tell(&Event::Keyframes { number, possible, reason });
+        self.tell(&Event::Keyframes {
+            number,
+            possible,
+            reason,
+        });
         if !keyframes.possible {
             self.reject_prefix(sequence, &phases, search);
         } else if !self.stopped {
@@ -163,48 +183,93 @@ impl Run<'_> {
     ) {
         let (time_limit, begin) = (self.request.time_limit, self.begin);
         let (observe, stopped) = (&mut self.observe, &mut self.stopped);
-        let motion = self.planner.motion(phases, &self.settings, &keyframes.nodes, &mut |i| {
-            let event = Event::Iteration {
-                number,
-                iteration: i.number,
-                violation: i.violation,
-                objective: i.objective,
-            };
-            *stopped |= !observe(&event);
-            !*stopped && begin.elapsed().as_secs_f64() <= time_limit
-        });
-        attempt.reached = if motion.feasible { Reached::Feasible } else { Reached::Optimised };
+        let motion = self
+            .planner
+            .motion(phases, &self.settings, &keyframes.nodes, &mut |i| {
+                let event = Event::Iteration {
+                    number,
+                    iteration: i.number,
+                    violation: i.violation,
+                    objective: i.objective,
+                };
+                *stopped |= !observe(&event);
+                !*stopped && begin.elapsed().as_secs_f64() <= time_limit
+            });
+        attempt.reached = if motion.feasible {
+            Reached::Feasible
+        } else {
+            Reached::Optimised
+        };
         attempt.cost = Some(motion.report.objective);
         attempt.iterations = motion.iterations;
         attempt.reason = motion.worst.as_ref().map(|w| summary::words(self.scene, w));
-        let (feasible, cost, reason) = (motion.feasible, motion.report.objective, attempt.reason.clone());
-        self.tell(&Event::Optimised { number, feasible, cost, reason });
-        if self.best.as_ref().is_none_or(|(best, _)| better(&motion, best)) {
+        let (feasible, cost, reason) = (
+            motion.feasible,
+            motion.report.objective,
+            attempt.reason.clone(),
+        );
+        self.tell(&Event::Optimised {
+            number,
+            feasible,
+            cost,
+            reason,
+        });
+        if self
+            .best
+            .as_ref()
+            .is_none_or(|(best, _)| better(&motion, best))
+        {
             self.best = Some((motion, sequence.clone()));
         }
     }
 
-    /// Finds the shortest impossible beginning, so that nothing that starts with it is tried again.
+    /// Finds the shortest impossible beginning, so that nothing that starts with it is tried again. If the contacts
+    /// alone are possible, only the goal is out of reach, and longer sequences may still get there.
     fn reject_prefix(&mut self, sequence: &Sequence, phases: &[Phase], search: &mut BestFirst) {
-        let (mut possible, mut impossible) = (1, phases.len());
+        if self.prefix_possible(sequence, phases, phases.len()) {
+            return;
+        }
+        let (mut possible, mut impossible) = (0, phases.len());
         while impossible - possible > 1 {
             let middle = usize::midpoint(possible, impossible);
-            let states = sequence.states[..middle].to_vec();
-            let known = self.tried_prefixes.contains(&states);
-            if known || self.planner.keyframes(&phases[..middle], &self.settings).possible {
-                self.tried_prefixes.insert(states);
+            if self.prefix_possible(sequence, phases, middle) {
                 possible = middle;
             } else {
                 impossible = middle;
             }
         }
         let prefix = sequence.states[..impossible].to_vec();
-        search.reject(Rejected::Prefix(prefix), "no keyframes satisfy these contacts");
+        search.reject(
+            Rejected::Prefix(prefix),
+            "no keyframes satisfy these contacts",
+        );
+    }
+
+    fn prefix_possible(&mut self, sequence: &Sequence, phases: &[Phase], length: usize) -> bool {
+        let states = sequence.states[..length].to_vec();
+        if self.possible_prefixes.contains(&states) {
+            return true;
+        }
+        let possible = self
+            .planner
+            .keyframes_of_prefix(&phases[..length], &self.settings)
+            .possible;
+        if possible {
+            self.possible_prefixes.insert(states);
+        }
+        possible
     }
 
     fn phases(&self, sequence: &Sequence) -> Vec<Phase> {
         let steps = self.scene.optimiser.steps;
-        sequence.states.iter().map(|state| Phase { state: state.clone(), steps }).collect()
+        sequence
+            .states
+            .iter()
+            .map(|state| Phase {
+                state: state.clone(),
+                steps,
+            })
+            .collect()
     }
 
     fn tell(&mut self, event: &Event) {
@@ -225,7 +290,12 @@ fn goal_text(scene: &Scene) -> String {
     let pairs: Vec<_> = scene
         .goal_contacts
         .iter()
-        .map(|g| format!("{} on {}", scene.interfaces[g.a.0].name, scene.interfaces[g.b.0].name))
+        .map(|g| {
+            format!(
+                "{} on {}",
+                scene.interfaces[g.a.0].name, scene.interfaces[g.b.0].name
+            )
+        })
         .collect();
     pairs.join(", ")
 }
@@ -236,7 +306,9 @@ fn check_start(scene: &Scene, planner: &Planner<'_>) -> Result<(), Error> {
     let mut kinematics = multibody::Kinematics::new(model);
     kinematics.update(model, &planner.system.start(scene));
     let touches = ocp::collision::CollisionModel::start_touches(scene, &planner.system);
-    let deepest = planner.collisions.deepest(&kinematics, &|a, b| touches.contains(&(a, b)));
+    let deepest = planner
+        .collisions
+        .deepest(&kinematics, &|a, b| touches.contains(&(a, b)));
     match deepest {
         Some((depth, a, b)) if depth > START_OVERLAP => Err(Error::StartInCollision {
             a: summary::body_name(scene, &planner.system, Ok(a)),

@@ -38,10 +38,15 @@ use scene::Scene;
 /// Name of a body: a robot link, an object (both by joint) or a static body.
 pub(crate) fn body_name(scene: &Scene, system: &System, body: Result<usize, usize>) -> String {
     match body {
-        Ok(joint) if joint >= system.n_robot_joints => scene.objects[joint - system.n_robot_joints].name.clone(),
+        Ok(joint) if joint >= system.n_robot_joints => {
+            scene.objects[joint - system.n_robot_joints].name.clone()
+        }
         Ok(joint) => {
             let link = system.model.frames.iter().find(|f| f.joint == Some(joint));
-            link.map_or_else(|| system.model.joints[joint].name.clone(), |f| f.name.clone())
+            link.map_or_else(
+                || system.model.joints[joint].name.clone(),
+                |f| f.name.clone(),
+            )
         }
         Err(fixed) => scene.statics[fixed].name.clone(),
     }
@@ -51,8 +56,17 @@ pub(crate) fn body_name(scene: &Scene, system: &System, body: Result<usize, usiz
 pub(crate) fn words(scene: &Scene, worst: &Worst) -> String {
     let name = |i: symbolic::InterfaceId| scene.interfaces[i.0].name.as_str();
     let joint = |v: usize| {
-        let robot = scene.robot.model.joints.iter().find(|j| (j.idx_v..j.idx_v + j.kind.nv()).contains(&v));
-        let object = || scene.objects.get((v.saturating_sub(scene.robot.model.nv)) / 6);
+        let robot = scene
+            .robot
+            .model
+            .joints
+            .iter()
+            .find(|j| (j.idx_v..j.idx_v + j.kind.nv()).contains(&v));
+        let object = || {
+            scene
+                .objects
+                .get((v.saturating_sub(scene.robot.model.nv)) / 6)
+        };
         match robot {
             Some(j) if j.kind.nv() == 1 => j.name.clone(),
             Some(_) => "base".into(),
@@ -67,12 +81,26 @@ pub(crate) fn words(scene: &Scene, worst: &Worst) -> String {
                 Some(o) => scene.objects[o].name.clone(),
                 None => scene.robot.model.joints[j].name.clone(),
             };
-            format!("{} and {}", body(a), b.map_or_else(|| "the environment".into(), body))
+            format!(
+                "{} and {}",
+                body(a),
+                b.map_or_else(|| "the environment".into(), body)
+            )
         }
         Subject::Goal => "the goal".into(),
     };
-    let Worst { label, phase, amount, .. } = worst;
-    format!("{} of {subject}: {amount:.2e} {} off, in phase {}", label.category, label.unit, phase + 1)
+    let Worst {
+        label,
+        phase,
+        amount,
+        ..
+    } = worst;
+    format!(
+        "{} of {subject}: {amount:.2e} {} off, in phase {}",
+        label.category,
+        label.unit,
+        phase + 1
+    )
 }
 
 /// Summarises a motion.

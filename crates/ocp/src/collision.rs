@@ -270,7 +270,7 @@ impl CollisionModel {
         out: &mut Vec<Pair>,
     ) {
         let margins = &program.settings.margins;
-        let keyframes = program.grid == Grid::Keyframes;
+        let keyframes = program.grid.is_keyframes();
         let paper = program.settings.preset == Preset::Paper;
         for a in 0..self.balls.len() {
             // The paper penalises end-effectors and objects, not every link.
@@ -294,7 +294,11 @@ impl CollisionModel {
                     margins.clearance
                 };
                 let more = extra.get(&(t, a, other)).copied().unwrap_or(0.0);
-                let clearance = if keyframes { 0.0 } else { Self::ramp(full, d) + more };
+                let clearance = if keyframes {
+                    0.0
+                } else {
+                    Self::ramp(full, d) + more
+                };
                 let body_from_a = match primitive.joint {
                     Some(j) => {
                         kinematics.world_from_joint[j].inverse() * kinematics.world_from_joint[a]
@@ -380,17 +384,25 @@ impl CollisionModel {
         let mut kinematics = Kinematics::new(model);
         let mut out = Vec::new();
         for t in 0..program.n_intervals() {
-            let half: Vec<f64> = model.difference(&nodes[t], &nodes[t + 1]).iter().map(|d| 0.5 * d).collect();
+            let half: Vec<f64> = model
+                .difference(&nodes[t], &nodes[t + 1])
+                .iter()
+                .map(|d| 0.5 * d)
+                .collect();
             kinematics.update(model, &model.integrate(&nodes[t], &half));
             let touching: BTreeSet<_> = Self::touching(scene, program, phases, t)
                 .union(&Self::touching(scene, program, phases, t + 1))
                 .copied()
                 .collect();
-            self.overlaps(&kinematics, &|a, b| touching.contains(&(a, b)), &mut |depth, a, other| {
-                if depth > tolerance {
-                    out.push((t, a, other, depth));
-                }
-            });
+            self.overlaps(
+                &kinematics,
+                &|a, b| touching.contains(&(a, b)),
+                &mut |depth, a, other| {
+                    if depth > tolerance {
+                        out.push((t, a, other, depth));
+                    }
+                },
+            );
         }
         out
     }
@@ -419,12 +431,16 @@ impl CollisionModel {
     ) {
         for a in 0..self.balls.len() {
             for primitive in &self.primitives {
-                let Some(other) = primitive.joint.map(Ok).or(primitive.body.map(Err)) else { continue };
+                let Some(other) = primitive.joint.map(Ok).or(primitive.body.map(Err)) else {
+                    continue;
+                };
                 if primitive.joint == Some(a) || self.balls[a].is_empty() || touching(a, other) {
                     continue;
                 }
                 let body_from_a = match primitive.joint {
-                    Some(j) => kinematics.world_from_joint[j].inverse() * kinematics.world_from_joint[a],
+                    Some(j) => {
+                        kinematics.world_from_joint[j].inverse() * kinematics.world_from_joint[a]
+                    }
                     None => kinematics.world_from_joint[a],
                 };
                 let x = primitive.primitive_from_body * body_from_a;
@@ -545,7 +561,11 @@ fn cover(pose: &Pose, shape: &Shape, out: &mut Vec<Ball>) {
             let small = radius.min(EDGE_BALL);
             let inset = half_size.map(|h| h - EDGE_INSET * small);
             for code in 0..27_usize {
-                let side = Vector3::new((code % 3) as f64 - 1.0, (code / 3 % 3) as f64 - 1.0, (code / 9) as f64 - 1.0);
+                let side = Vector3::new(
+                    (code % 3) as f64 - 1.0,
+                    (code / 3 % 3) as f64 - 1.0,
+                    (code / 9) as f64 - 1.0,
+                );
                 let middles = side.iter().filter(|x| **x == 0.0).count();
                 let long = (0..3).all(|k| side[k] != 0.0 || half_size[k] > LONG_EDGE);
                 if middles == 0 || (middles == 1 && long) {

@@ -215,7 +215,7 @@ pub fn point(program: &Program, scene: &Scene, nodes: Vec<Vec<f64>>) -> Point {
     let _ = scene;
     let durations = match program.grid {
         crate::Grid::Motion => vec![duration; program.steps.len()],
-        crate::Grid::Keyframes => vec![1.0; program.steps.len()],
+        crate::Grid::Keyframes | crate::Grid::OpenKeyframes => vec![1.0; program.steps.len()],
     };
     Point {
         nodes,

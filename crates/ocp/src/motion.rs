@@ -12,6 +12,8 @@ use solver::{InteriorPoint, Iteration, Options, Problem, Report, Status};
 
 /// Rounds of solving with more collision pairs or more clearance.
 const REPAIRS: usize = 4;
+/// Rounds of solving keyframes with more collision pairs.
+const KEYFRAME_REPAIRS: usize = 3;
 /// Overlap half-way between two nodes that is tolerated [m].
 const BETWEEN_TOLERANCE: f64 = 0.002;
 /// Barrier parameter and relaxation with which a repair starts from the last solution.
@@ -90,36 +92,57 @@ impl<'a> Planner<'a> {
     }
 
     /// One configuration per phase boundary that satisfies all contacts and clearances, no statics.
+    ///
+    /// With [`Planner::keyframes_of_prefix`] the goal regions, which bind the end only, are left out.
     pub fn keyframes(&self, phases: &[Phase], settings: &Settings) -> Keyframes {
+        self.solve_keyframes(phases, settings, Grid::Keyframes)
+    }
+
+    /// Keyframes of the beginning of a sequence: the goal need not be reached yet.
+    pub fn keyframes_of_prefix(&self, phases: &[Phase], settings: &Settings) -> Keyframes {
+        self.solve_keyframes(phases, settings, Grid::OpenKeyframes)
+    }
+
+    fn solve_keyframes(&self, phases: &[Phase], settings: &Settings, grid: Grid) -> Keyframes {
+        let none = ExtraClearance::new();
         let nodes = guess::keyframes(self.scene, &self.system, phases);
-        let program = self.program(phases, settings, Grid::Keyframes, &nodes, &ExtraClearance::new());
+        let mut program = self.program(phases, settings, grid, &nodes, &none);
         let mut point = guess::point(&program, self.scene, nodes);
-        let mut trajectory = Trajectory::new(program);
         let options = Options {
             max_iterations: 80,
             feasibility_tolerance: 1e-6,
             dual_tolerance: 1e-2,
             complementarity_tolerance: 1e-2,
             min_barrier: 1e-6,
-            stall_iterations: 25,
             ..Options::default()
         };
-        let structure = trajectory.structure().clone();
-        let report = InteriorPoint::new(&structure).solve(
-            &mut trajectory,
-            &mut point,
-            &options,
-            None,
-            &mut |_| true,
-        );
-        let worst = worst_row(&trajectory.program, &report, 1e-7);
-        let possible = report.violation <= KEYFRAME_TOLERANCE;
-        Keyframes {
-            nodes: point.nodes,
-            possible,
-            worst,
-            report,
+        for round in 0.. {
+            let mut trajectory = Trajectory::new(program);
+            let structure = trajectory.structure().clone();
+            let report = InteriorPoint::new(&structure).solve(
+                &mut trajectory,
+                &mut point,
+                &options,
+                None,
+                &mut |_| true,
+            );
+            let possible = report.violation <= KEYFRAME_TOLERANCE;
+            if possible && round < KEYFRAME_REPAIRS {
+                let again = self.program(phases, settings, grid, &point.nodes, &none);
+                if violates_new_rows(&again, &point) {
+                    program = again;
+                    continue;
+                }
+            }
+            let worst = worst_row(&trajectory.program, &report, 1e-7);
+            return Keyframes {
+                nodes: point.nodes,
+                possible,
+                worst,
+                report,
+            };
         }
+        unreachable!("the loop returns in its last round")
     }
 
     /// Optimises the motion of a sequence from its keyframes; `observe` sees every iteration and may stop it.
@@ -138,19 +161,32 @@ impl<'a> Planner<'a> {
         for round in 0.. {
             let mut trajectory = Trajectory::new(program);
             let structure = trajectory.structure().clone();
-            let mut options = Options { max_iterations: settings.max_iterations, ..Options::default() };
+            let mut options = Options {
+                max_iterations: settings.max_iterations,
+                ..Options::default()
+            };
             if round > 0 {
                 options.initial_barrier = REPAIR_BARRIER;
                 options.bound_push = REPAIR_PUSH;
             }
-            let report =
-                InteriorPoint::new(&structure).solve(&mut trajectory, &mut point, &options, None, observe);
+            let report = InteriorPoint::new(&structure).solve(
+                &mut trajectory,
+                &mut point,
+                &options,
+                None,
+                observe,
+            );
             iterations += report.iterations;
             seconds += report.timing.total.as_secs_f64();
             let solved = report.violation <= 10.0 * options.feasibility_tolerance;
             if solved && report.status != Status::Interrupted && round < REPAIRS {
                 let between = settings.preset == Preset::Default
-                    && self.demand_clearance_between(&trajectory.program, phases, &point.nodes, &mut extra);
+                    && self.demand_clearance_between(
+                        &trajectory.program,
+                        phases,
+                        &point.nodes,
+                        &mut extra,
+                    );
                 let again = self.program(phases, settings, Grid::Motion, &point.nodes, &extra);
                 if between || violates_new_rows(&again, &point) {
                     program = again;
@@ -158,7 +194,15 @@ impl<'a> Planner<'a> {
                 }
             }
             let worst = worst_row(&trajectory.program, &report, 1e-7).filter(|_| !solved);
-            return Motion { trajectory, point, report, iterations, seconds, feasible: solved, worst };
+            return Motion {
+                trajectory,
+                point,
+                report,
+                iterations,
+                seconds,
+                feasible: solved,
+                worst,
+            };
         }
         unreachable!("the loop returns in its last round")
     }
@@ -171,7 +215,9 @@ impl<'a> Planner<'a> {
         nodes: &[Vec<f64>],
         extra: &mut ExtraClearance,
     ) -> bool {
-        let found = self.collisions.between(program, self.scene, phases, nodes, BETWEEN_TOLERANCE);
+        let found = self
+            .collisions
+            .between(program, self.scene, phases, nodes, BETWEEN_TOLERANCE);
         for (t, a, other, depth) in &found {
             for node in [*t, t + 1] {
                 let more = extra.entry((node, *a, *other)).or_default();
@@ -189,7 +235,16 @@ impl<'a> Planner<'a> {
         near: &[Vec<f64>],
         extra: &ExtraClearance,
     ) -> Program {
-        Program::new(self.scene, &self.system, &self.collisions, phases, settings, grid, near, extra)
+        Program::new(
+            self.scene,
+            &self.system,
+            &self.collisions,
+            phases,
+            settings,
+            grid,
+            near,
+            extra,
+        )
     }
 }
 

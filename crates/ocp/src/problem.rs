@@ -259,7 +259,10 @@ impl Trajectory {
         }
         for slip in &interval.slips {
             let frame = &program.frames[program.nodes[t].frames[slip.slot]];
-            let at = slip::Place { frame, relative: &self.nodes[t].relatives[slip.slot] };
+            let at = slip::Place {
+                frame,
+                relative: &self.nodes[t].relatives[slip.slot],
+            };
             s.slips.values(slip, at, &s.chain.motion.v, &mut out.values);
         }
         for force in &interval.forces {
@@ -303,7 +306,7 @@ impl Trajectory {
 
 /// Nodes whose terms belong to element `t`: its own, and for keyframes the last one too.
 pub(crate) fn element_nodes(program: &Program, t: usize) -> impl Iterator<Item = usize> + use<> {
-    let last = program.grid == Grid::Keyframes && t + 1 == program.n_intervals();
+    let last = program.grid.is_keyframes() && t + 1 == program.n_intervals();
     let own = program.nodes[t].var.is_some();
     (own.then_some(t)).into_iter().chain(last.then_some(t + 1))
 }

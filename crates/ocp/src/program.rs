@@ -16,8 +16,8 @@ use crate::system::System;
 use crate::terms::{
     ForceTerm, PoseTerm, alignment::Alignment, bounds::Bounds, friction::Friction, grasp::Grasp,
     half_space::HalfSpace, height::Height, place::Place, point_friction::PointFriction,
-    pressure::Pressure, region::Region, slip_velocity, support_pressure::SupportPressure, tilt::Tilt,
-    torsion::Torsion,
+    pressure::Pressure, region::Region, slip_velocity, support_pressure::SupportPressure,
+    tilt::Tilt, torsion::Torsion,
 };
 use multibody::JointKind;
 use scene::{Owner, Role, Scene};
@@ -41,6 +41,15 @@ pub enum Grid {
     Motion,
     /// One configuration per phase boundary, geometry only.
     Keyframes,
+    /// The same without the goal regions, for the beginning of a sequence.
+    OpenKeyframes,
+}
+
+impl Grid {
+    /// True for one configuration per phase boundary.
+    pub fn is_keyframes(self) -> bool {
+        self != Self::Motion
+    }
 }
 
 /// Where a row comes from, for reports.
@@ -312,7 +321,11 @@ impl Program {
                 motion_weights: vec![(0.0, 0.0); nv],
                 dynamics_scale: vec![1.0; nv],
                 momentum: settings.preset == Preset::Paper
-                    && system.robot.joints.first().is_some_and(|j| j.kind == JointKind::FreeFlyer),
+                    && system
+                        .robot
+                        .joints
+                        .first()
+                        .is_some_and(|j| j.kind == JointKind::FreeFlyer),
                 structure: Structure::default(),
                 labels: vec![],
                 steps,
@@ -602,7 +615,7 @@ impl Builder<'_> {
             );
         }
         let n = p.n_intervals();
-        let keyframes = p.grid == Grid::Keyframes;
+        let keyframes = p.grid.is_keyframes();
         for contact in all {
             let here = binds(phases, &self.program, contact, t);
             let before = t > 0 && binds(phases, &self.program, contact, t - 1);
@@ -663,8 +676,17 @@ impl Builder<'_> {
             let unit = if r < 2 { "m/s" } else { "rad/s" };
             self.labels[t].push(label("contact slip", Subject::Contact(contact), 1.0, unit));
         }
-        element.blocks.push(BlockStructure { first_row, n_rows, cols: vec![] });
-        p.intervals[t].slips.push(Slip { slot, yaw, first_row, block });
+        element.blocks.push(BlockStructure {
+            first_row,
+            n_rows,
+            cols: vec![],
+        });
+        p.intervals[t].slips.push(Slip {
+            slot,
+            yaw,
+            first_row,
+            block,
+        });
     }
 
     /// The part of a contact in the robot's momentum; `None` if it acts on the robot not at all or at both ends.
@@ -674,7 +696,9 @@ impl Builder<'_> {
         }
         let carrier = |i: usize| {
             let interface = &self.scene.interfaces[i];
-            self.program.system.carrier(interface.owner, &interface.body_from_interface)
+            self.program
+                .system
+                .carrier(interface.owner, &interface.body_from_interface)
         };
         let (a, b) = (carrier(contact.a.0), carrier(contact.b.0));
         let moves_robot = |carrier: &Carrier| match carrier.body {
@@ -688,8 +712,13 @@ impl Builder<'_> {
         };
         let key = (contact.a.0, usize::MAX);
         let frame = self.keys.iter().position(|k| *k == key).unwrap_or_else(|| {
-            let world = Carrier { body: Body::World, body_from_frame: Pose::identity() };
-            self.program.frames.push(RelativeFrame::new(&self.program.system.model, a, world));
+            let world = Carrier {
+                body: Body::World,
+                body_from_frame: Pose::identity(),
+            };
+            self.program
+                .frames
+                .push(RelativeFrame::new(&self.program.system.model, a, world));
             self.keys.push(key);
             self.keys.len() - 1
         });
@@ -932,6 +961,9 @@ impl Builder<'_> {
         let n = self.program.n_intervals();
         let node = self.program.master_node(n);
         let element = node.min(n - 1);
+        if self.program.grid == Grid::OpenKeyframes {
+            return;
+        }
         for region in &self.scene.goal_regions {
             let Some(body) = goal_body(self.scene, &self.program.system, &region.body) else {
                 continue;
@@ -1073,7 +1105,10 @@ impl Builder<'_> {
             }
             for slip in &i.slips {
                 let frame = p.nodes[t].frames[slip.slot];
-                let nodes = [i.a, i.b].into_iter().flatten().flat_map(|first| at(first, frame));
+                let nodes = [i.a, i.b]
+                    .into_iter()
+                    .flatten()
+                    .flat_map(|first| at(first, frame));
                 e.blocks[slip.block].cols = nodes.chain(i.time).collect();
             }
             for force in &i.forces {

@@ -89,7 +89,7 @@ impl Margins {
             joint_range: 0.02,
             velocity: 0.8,
             clearance: 0.02,
-            self_clearance: 0.01,
+            self_clearance: 0.015,
             swing: 0.03,
             bounds: 0.005,
         }

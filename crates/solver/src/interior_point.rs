@@ -21,6 +21,8 @@ const FIRST_SHIFT: f64 = 1e-4;
 const GN_SHIFT: f64 = 1.0;
 /// Share of the distance by which relaxed bounds of violated rows move to their true place per iteration.
 const TIGHTENING: f64 = 0.25;
+/// Relaxation that is given up in one go [scaled rows].
+const CLOSE: f64 = 1e-3;
 /// Share of the row violation that a step is asked to remove: at first, and at least.
 const FIRST_DAMPING: f64 = 0.25;
 const MIN_DAMPING: f64 = 0.1;
@@ -28,6 +30,8 @@ const MIN_DAMPING: f64 = 0.1;
 const FULL_STEP: f64 = 1e-3;
 /// Trial points of one line search.
 const MAX_TRIALS: usize = 12;
+/// Steps shorter than this count as none when a stall is judged.
+const JAMMED_STEP: f64 = 0.02;
 
 /// A solver with the memory for one structure.
 pub struct InteriorPoint<P: Problem> {
@@ -112,7 +116,7 @@ impl<P: Problem> InteriorPoint<P> {
         let (mut diag_x, mut diag_y, mut residual_y) = (vec![0.0; n], vec![0.0; m], vec![0.0; m]);
         let mut best: Option<(f64, P::Point, Vec<f64>)> = None;
         let mut kkt_history: Vec<f64> = Vec::new();
-        let mut violation_history: Vec<f64> = Vec::new();
+        let mut violation_history: Vec<(f64, f64)> = Vec::new();
         let mut line = Iteration {
             number: 0,
             objective: 0.0,
@@ -147,7 +151,14 @@ impl<P: Problem> InteriorPoint<P> {
             if best.as_ref().is_none_or(|b| errors.violation < b.0) {
                 best = Some((errors.violation, x.clone(), state.y.clone()));
             }
-            violation_history.push(errors.violation);
+            violation_history.push((errors.violation, line.step));
+            let finite = line.objective.is_finite()
+                && rows.iter().all(|r| r.is_finite())
+                && residual_x.iter().all(|r| r.is_finite());
+            if !finite {
+                status = Status::Failed;
+                break;
+            }
             if errors.violation <= options.feasibility_tolerance
                 && errors.dual <= options.dual_tolerance
                 && errors.complementarity <= options.complementarity_tolerance
@@ -373,25 +384,30 @@ impl<P: Problem> InteriorPoint<P> {
                         state.slacks.upper[i],
                         state.slacks.value[i],
                     );
+                    let (mut new_l, mut new_u) = (l, u);
                     if l < state.goal_lower[i] {
                         let full = state.goal_lower[i] - l;
-                        let new = if full < 1e-3 {
+                        new_l = if full < CLOSE {
                             state.goal_lower[i]
                         } else {
                             l + TIGHTENING * full
                         };
-                        state.slacks.lower[i] = new;
-                        state.slacks.value[i] = v.max(new + (v - l).min(0.01));
                     }
                     if u > state.goal_upper[i] {
                         let full = u - state.goal_upper[i];
-                        let new = if full < 1e-3 {
+                        new_u = if full < CLOSE {
                             state.goal_upper[i]
                         } else {
                             u - TIGHTENING * full
                         };
-                        state.slacks.upper[i] = new;
-                        state.slacks.value[i] = v.min(new - (u - v).min(0.01));
+                    }
+                    if new_l != l || new_u != u {
+                        let room = 0.25 * (new_u - new_l);
+                        let low = new_l + (v - l).min(0.01).min(room);
+                        let high = new_u - (u - v).min(0.01).min(room);
+                        state.slacks.lower[i] = new_l;
+                        state.slacks.upper[i] = new_u;
+                        state.slacks.value[i] = v.max(low).min(high);
                     }
                 }
             }
@@ -702,20 +718,14 @@ fn gather_rows(data: &[ElementData], rows: &mut [f64]) {
     }
 }
 
-/// True when the violation has not fallen by a tenth over the window.
-fn stalled(history: &[f64], options: &Options) -> bool {
+/// True when the last iterations hardly moved and did not lower the violation by a tenth.
+fn stalled(history: &[(f64, f64)], options: &Options) -> bool {
     let window = options.stall_iterations;
     if window == 0 || history.len() <= window {
         return false;
     }
-    let split = history.len() - window;
-    let before = history[..split]
-        .iter()
-        .copied()
-        .fold(f64::INFINITY, f64::min);
-    let since = history[split..]
-        .iter()
-        .copied()
-        .fold(f64::INFINITY, f64::min);
-    before > options.feasibility_tolerance * 10.0 && since > 0.9 * before && history.len() > 80
+    let recent = &history[history.len() - window..];
+    let jammed = recent.iter().all(|&(_, step)| step < JAMMED_STEP);
+    let (first, last) = (recent[0].0, recent[window - 1].0);
+    last > 10.0 * options.feasibility_tolerance && jammed && last > 0.9 * first
 }

@@ -56,7 +56,10 @@ fn program(seed: u64, grid: Grid, preset: Preset) -> (Trajectory, Point) {
         &collisions,
         &phases,
         &settings,
-        grid, &nodes, &Default::default());
+        grid,
+        &nodes,
+        &Default::default(),
+    );
     let wrenches = program
         .intervals
         .iter()
