@@ -13,6 +13,7 @@ use spatial::Pose;
 use std::collections::BTreeMap;
 
 /// Writes a motion as a plan.
+#[allow(clippy::too_many_lines)] // one expression or layout, written down in its own order
 pub fn plan(scene: &Scene, labels: &[String], motion: &mut Motion) -> Plan {
     let point = motion.point.clone();
     let n = motion.trajectory.program.n_intervals();

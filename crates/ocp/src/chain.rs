@@ -418,14 +418,14 @@ impl Chain {
             let firsts = [layout.a, layout.b];
             let weights: Vec<f64> = gv.iter().map(|g| g / dt).collect();
             here.curvature(&weights, |br, i, bc, j, value| {
-                add_curvature(hessian, n, firsts, (br, i), (bc, j), value)
+                add_curvature(hessian, n, firsts, (br, i), (bc, j), value);
             });
         }
         if let Some(next) = next {
             let firsts = [layout.b, layout.c];
             let weights: Vec<f64> = gp.iter().map(|g| g / dt_next).collect();
             next.curvature(&weights, |br, i, bc, j, value| {
-                add_curvature(hessian, n, firsts, (br, i), (bc, j), value)
+                add_curvature(hessian, n, firsts, (br, i), (bc, j), value);
             });
         }
         let Some(time) = layout.time else { return };
@@ -434,6 +434,7 @@ impl Chain {
 
     /// Rows and columns of the two durations.
     #[allow(clippy::too_many_arguments)] // continues `finish`
+    #[allow(clippy::too_many_lines)] // one expression or layout, written down in its own order
     fn time_blocks(
         &mut self,
         here: Option<&Difference>,

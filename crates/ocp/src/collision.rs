@@ -51,7 +51,7 @@ struct Primitive {
     /// Static body, if it is one.
     body: Option<usize>,
     /// Pose of the body in the primitive's frame.
-    primitive_from_body: Pose,
+    from_body: Pose,
     obstacle: Obstacle,
 }
 
@@ -102,14 +102,14 @@ impl CollisionModel {
             let joint = system.object_joint(o);
             for placed in &object.shapes {
                 corners(placed, &mut balls[joint]);
-                primitives.extend(primitive(Some(joint), None, placed));
+                primitives.push(primitive(Some(joint), None, placed));
             }
         }
         for (s, body) in scene.statics.iter().enumerate() {
             primitives.extend(
                 body.shapes
                     .iter()
-                    .filter_map(|placed| primitive(None, Some(s), placed)),
+                    .map(|placed| primitive(None, Some(s), placed)),
             );
         }
         let carries = |role: Role| {
@@ -305,7 +305,7 @@ impl CollisionModel {
                     }
                     None => kinematics.world_from_joint[a],
                 };
-                let primitive_from_a = primitive.primitive_from_body * body_from_a;
+                let primitive_from_a = primitive.from_body * body_from_a;
                 let balls: Vec<Ball> = self.balls[a]
                     .iter()
                     .filter(|(c, r)| {
@@ -316,8 +316,7 @@ impl CollisionModel {
                 if balls.is_empty() {
                     continue;
                 }
-                let (obstacle, obstacle_from_b) =
-                    (primitive.obstacle.clone(), primitive.primitive_from_body);
+                let (obstacle, obstacle_from_b) = (primitive.obstacle.clone(), primitive.from_body);
                 let term: Arc<dyn PoseTerm> = if paper {
                     Arc::new(Sigmoid {
                         points: balls,
@@ -443,7 +442,7 @@ impl CollisionModel {
                     }
                     None => kinematics.world_from_joint[a],
                 };
-                let x = primitive.primitive_from_body * body_from_a;
+                let x = primitive.from_body * body_from_a;
                 let depth = self.balls[a]
                     .iter()
                     .map(|(c, r)| r - distance(&x.act(*c), &primitive.obstacle))
@@ -503,7 +502,7 @@ fn distance(p: &Vector3<f64>, obstacle: &Obstacle) -> f64 {
     }
 }
 
-fn primitive(joint: Option<usize>, body: Option<usize>, placed: &PlacedShape) -> Option<Primitive> {
+fn primitive(joint: Option<usize>, body: Option<usize>, placed: &PlacedShape) -> Primitive {
     let (obstacle, turn) = match &placed.shape {
         Shape::Box { half_size } => (Obstacle::Box(*half_size), placed.body_from_shape),
         Shape::HalfSpace => (Obstacle::HalfSpace, placed.body_from_shape),
@@ -513,12 +512,12 @@ fn primitive(joint: Option<usize>, body: Option<usize>, placed: &PlacedShape) ->
             (Obstacle::Balls(balls), placed.body_from_shape)
         }
     };
-    Some(Primitive {
+    Primitive {
         joint,
         body,
-        primitive_from_body: turn.inverse(),
+        from_body: turn.inverse(),
         obstacle,
-    })
+    }
 }
 
 /// Balls that cover a shape (a box up to its edges), in the frame in which the shape's pose is given.

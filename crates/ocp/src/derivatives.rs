@@ -100,6 +100,7 @@ impl Trajectory {
     }
 
     /// Equations of motion, velocity limits, motion and duration costs.
+    #[allow(clippy::too_many_lines)] // one expression or layout, written down in its own order
     fn motion_derivatives(&mut self, x: &Point, t: usize, y: &[f64], out: &mut ElementData) {
         self.motion(x, t);
         let program = &self.program;
@@ -136,7 +137,7 @@ impl Trajectory {
                 let cols = &frame.cols;
                 let by_q = &mut s.chain.by_q;
                 frame.wrench_jacobian(relative, &wrench, |k, l, value| {
-                    by_q[(cols[k], cols[l])] -= value
+                    by_q[(cols[k], cols[l])] -= value;
                 });
                 for (k, &col) in cols.iter().enumerate() {
                     s.virtual_speeds[k] = s.weights[col];

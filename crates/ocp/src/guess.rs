@@ -186,8 +186,9 @@ pub fn interpolate(system: &System, phases: &[Phase], keyframes: &[Vec<f64>]) ->
     }
     // Explicit Euler from rest and to rest: the first two and the last two nodes coincide.
     let n = out.len() - 1;
-    out[1] = out[0].clone();
-    out[n - 1] = out[n].clone();
+    let (first, last) = (out[0].clone(), out[n].clone());
+    out[1].copy_from_slice(&first);
+    out[n - 1].copy_from_slice(&last);
     out
 }
 

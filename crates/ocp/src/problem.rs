@@ -10,6 +10,7 @@ use crate::point::Point;
 use crate::program::{Grid, Program};
 use crate::relative::Relative;
 use crate::slip::{self, Slips};
+use crate::terms::PoseTerm;
 use crate::terms::place::Place;
 use multibody::{Kinematics, Rnea, RneaDerivatives, RneaHessian};
 use nalgebra::{DMatrix, Vector6};
@@ -90,10 +91,10 @@ impl Trajectory {
             slips: Slips::new(nv),
         };
         Self {
+            program,
             nodes,
             differences,
             scratch,
-            program,
         }
     }
 
@@ -199,6 +200,7 @@ impl Trajectory {
     }
 
     /// Objective and row values of interval `t`.
+    #[allow(clippy::too_many_lines)] // one expression or layout, written down in its own order
     fn values(&mut self, x: &Point, t: usize, out: &mut ElementData) {
         self.motion(x, t);
         let dynamics = self.program.intervals[t].dynamics;
@@ -242,7 +244,6 @@ impl Trajectory {
         for stick in &interval.sticks {
             let n = stick.place.n_rows();
             let (mut from, mut to) = ([0.0; 3], [0.0; 3]);
-            use crate::terms::PoseTerm;
             stick.place.values(
                 &self.nodes[t].relatives[stick.slot_a].b_from_a,
                 &mut from[..n],

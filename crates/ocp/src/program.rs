@@ -764,6 +764,7 @@ impl Builder<'_> {
     }
 
     /// Adds rows of a pose term at a node to an element.
+    #[allow(clippy::needless_pass_by_value)] // the label is made for this call
     fn node_term(
         &mut self,
         element: usize,
@@ -796,6 +797,7 @@ impl Builder<'_> {
         });
     }
 
+    #[allow(clippy::too_many_lines)] // one expression or layout, written down in its own order
     fn forces(&mut self, t: usize, phases: &[Phase]) {
         if !self.program.intervals[t].dynamics {
             return;
@@ -1030,6 +1032,7 @@ impl Builder<'_> {
     }
 
     /// Lists the variables of every element and the columns of every block, now that all terms are known.
+    #[allow(clippy::too_many_lines)] // one expression or layout, written down in its own order
     fn element_variables(&mut self) {
         let p = &mut self.program;
         let (n, nv) = (p.intervals.len(), p.system.model.nv);

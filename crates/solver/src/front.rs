@@ -7,11 +7,13 @@
 //! Source: Duff and Reid 1983; the dense kernels are faer's.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
+use faer::linalg::cholesky::llt::factor::{
+    LltRegularization, cholesky_in_place, cholesky_in_place_scratch,
+};
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::prelude::{Reborrow, ReborrowMut};
-use faer::{Accum, MatMut, MatRef, Par};
+use faer::{Accum, MatMut, MatRef, Par, Spec};
 
 use crate::Structure;
 
@@ -94,7 +96,7 @@ impl Fronts {
         let scratch = MemBuffer::new(cholesky_in_place_scratch::<f64>(
             n_elim,
             Par::Seq,
-            Default::default(),
+            Spec::default(),
         ));
         let n_front = symbolic.iter().map(|s| s.vars.len()).max().unwrap_or(0);
         Self {
@@ -218,13 +220,13 @@ fn eliminate(
     }
     let panel = MatMut::from_column_major_slice_mut(panel, n, m);
     let (mut l11, l21) = panel.split_at_row_mut(m);
-    let regularisation = Default::default();
+    let regularisation = LltRegularization::default();
     cholesky_in_place(
         l11.rb_mut(),
         regularisation,
         Par::Seq,
         stack,
-        Default::default(),
+        Spec::default(),
     )
     .map_err(|_| ())?;
     if n == m {

@@ -179,14 +179,14 @@ impl<P: Problem> InteriorPoint<P> {
             }
 
             let old_mu = state.mu;
-            self.choose_barrier(&mut state, errors, &mut kkt_history, options);
+            Self::choose_barrier(&mut state, errors, &mut kkt_history, options);
             if state.mu != old_mu || need_reset {
                 filter.reset(errors.theta);
                 need_reset = false;
             }
 
             // Newton direction, with the least shift that gives the right inertia.
-            self.right_hand_side(&structure, &state, &rows, &mut residual_x, &mut residual_y);
+            Self::right_hand_side(&state, &rows, &mut residual_x, &mut residual_y);
             for i in 0..m {
                 diag_y[i] = if state.equality[i] {
                     0.0
@@ -579,7 +579,6 @@ impl<P: Problem> InteriorPoint<P> {
     }
 
     fn choose_barrier(
-        &self,
         state: &mut State,
         errors: Errors,
         history: &mut Vec<f64>,
@@ -626,14 +625,11 @@ impl<P: Problem> InteriorPoint<P> {
 
     /// Right-hand side of the Newton system with the slacks eliminated.
     fn right_hand_side(
-        &self,
-        structure: &Structure,
         state: &State,
         rows: &[f64],
         residual_x: &mut [f64],
         residual_y: &mut [f64],
     ) {
-        let _ = structure;
         for (i, r) in residual_x.iter_mut().enumerate() {
             *r += state.vars.barrier_gradient(i, state.mu);
         }

@@ -126,7 +126,7 @@ impl PoseTerm for Distance {
     fn gradients(&self, b_from_a: &Pose, out: &mut [Vector6<f64>]) {
         let x = self.obstacle_from_b * *b_from_a;
         self.for_each(b_from_a, |i, centre, (_, g, _)| {
-            out[i] = point_gradient(&x, centre, &g)
+            out[i] = point_gradient(&x, centre, &g);
         });
     }
     fn hessian(&self, b_from_a: &Pose, weights: &[f64]) -> Matrix6<f64> {

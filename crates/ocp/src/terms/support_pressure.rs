@@ -27,12 +27,11 @@ fn moment_gradient(x: &Pose, i: usize) -> Vector6<f64> {
     Vector6::new(0.0, 0.0, 0.0, -rot[(i, 1)], rot[(i, 0)], 0.0)
 }
 
-impl SupportPressure {
-    fn for_each(&self, mut row: impl FnMut(usize, usize, f64)) {
-        for i in 0..2 {
-            row(2 * i, i, -1.0);
-            row(2 * i + 1, i, 1.0);
-        }
+/// Calls `row(number, axis, sign)` for the four rows.
+fn for_each_row(mut row: impl FnMut(usize, usize, f64)) {
+    for i in 0..2 {
+        row(2 * i, i, -1.0);
+        row(2 * i + 1, i, 1.0);
     }
 }
 
@@ -48,14 +47,14 @@ impl ForceTerm for SupportPressure {
     }
     fn values(&self, x: &Pose, w: &Vector6<f64>, out: &mut [f64]) {
         let (r, turned, normal) = (x.origin(), x.rotate(arm(w)), -w[2]);
-        self.for_each(|row, i, sign| {
+        for_each_row(|row, i, sign| {
             out[row] =
                 (normal * self.half_size[i] + sign * (normal * r[i] + turned[i])) / self.scale;
         });
     }
     fn gradients(&self, x: &Pose, w: &Vector6<f64>, out: &mut [(Vector6<f64>, Vector6<f64>)]) {
         let (r, normal) = (x.origin(), -w[2]);
-        self.for_each(|row, i, sign| {
+        for_each_row(|row, i, sign| {
             let u = Vector3::ith(i, 1.0);
             let pose = point_gradient(x, &Vector3::zeros(), &u) * normal
                 + direction_gradient(x, &arm(w), &u);
@@ -67,7 +66,7 @@ impl ForceTerm for SupportPressure {
     fn hessian(&self, x: &Pose, w: &Vector6<f64>, weights: &[f64]) -> ForceHessian {
         let normal = -w[2];
         let mut out = ForceHessian::zero();
-        self.for_each(|row, i, sign| {
+        for_each_row(|row, i, sign| {
             let weight = weights[row] * sign / self.scale;
             let u = Vector3::ith(i, 1.0);
             out.pose += (point_hessian(x, &Vector3::zeros(), &u) * normal

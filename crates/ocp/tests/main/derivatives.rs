@@ -47,8 +47,9 @@ fn program(seed: u64, grid: Grid, preset: Preset) -> (Trajectory, Point) {
         nodes.push(system.model.integrate(&nodes[nodes.len() - 1], &step));
     }
     if grid == Grid::Motion {
-        nodes[1] = nodes[0].clone();
-        nodes[n] = nodes[n - 1].clone();
+        nodes[1].copy_from_slice(&start);
+        let rest = nodes[n - 1].clone();
+        nodes[n].copy_from_slice(&rest);
     }
     let program = Program::new(
         &scene,
@@ -58,7 +59,7 @@ fn program(seed: u64, grid: Grid, preset: Preset) -> (Trajectory, Point) {
         &settings,
         grid,
         &nodes,
-        &Default::default(),
+        &std::collections::BTreeMap::default(),
     );
     let wrenches = program
         .intervals
@@ -124,16 +125,15 @@ fn check(seed: u64, grid: Grid, preset: Preset) {
     for trial in 0..400 {
         // A direction over one, two or all variables.
         let mut direction = vec![0.0; structure.n_vars];
-        match trial {
-            0..8 => direction
-                .iter_mut()
-                .for_each(|d| *d = random.uniform(-1.0, 1.0)),
-            _ => {
-                let e = random.index(structure.elements.len());
-                let vars = &structure.elements[e].vars;
-                for _ in 0..=trial % 2 {
-                    direction[vars[random.index(vars.len())]] = random.uniform(0.5, 1.0);
-                }
+        if trial < 8 {
+            for d in &mut direction {
+                *d = random.uniform(-1.0, 1.0);
+            }
+        } else {
+            let e = random.index(structure.elements.len());
+            let vars = &structure.elements[e].vars;
+            for _ in 0..=trial % 2 {
+                direction[vars[random.index(vars.len())]] = random.uniform(0.5, 1.0);
             }
         }
         let mut at = |s: f64| {

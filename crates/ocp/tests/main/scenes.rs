@@ -45,6 +45,7 @@ fn placed(pose: Pose, shape: Shape) -> PlacedShape {
 
 /// A random robot with balls on its links, a ground, a table and a box; interfaces:
 /// 0 foot (patch), 1 hand (patch), 2 tip (point), 3 box bottom, 4 box side, 5 ground, 6 table top.
+#[allow(clippy::too_many_lines)] // one expression or layout, written down in its own order
 pub fn random_scene(seed: u64) -> Scene {
     let model = Model::random(seed, Root::Floating, 7);
     let n_joints = model.nv - 6;
