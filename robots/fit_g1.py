@@ -53,7 +53,7 @@ LINKS = {
     "left_wrist_yaw_link": [("ball", "joint")],
     "left_rubber_hand": [("palm", "rubber"), ("obox", "rubber")],
 }
-WITHOUT_HULL = {"head_link"}            # links whose hollows stay open: the face
+UNITS = {"head_link": (UNDER, np.inf, 0.005)}   # other units: the face stays open
 COVERS = {"torso_link": ["logo_link"]}  # links without shapes of their own that another link of the same body covers
 FILLED = {"pelvis_contour_link": ["pelvis"]}   # a shell, and the link of the same body that fills it
 MATERIALS = {"shell": "0.86 0.87 0.89 1", "graphite": "0.16 0.17 0.19 1", "joint": "0.38 0.40 0.44 1",
@@ -139,7 +139,7 @@ def distance(s, P):
     return np.maximum(np.linalg.norm(P - a - t[:, None] * b, axis=1) - s[3], 0)
 
 
-_u = np.linspace(-1, 1, 13)
+_u = np.linspace(-1, 1, 21)
 _face = np.array([[x, y] for x in _u for y in _u])
 CUBE = np.unique(np.vstack([np.insert(_face, i, s, 1) for i in range(3) for s in (-1, 1)]), axis=0)
 _k = np.arange(250) + 0.5
@@ -216,9 +216,8 @@ def hull_points(P):
     return trimesh.sample.sample_surface(hull, max(200, int(hull.area / 0.008**2)), seed=0)[0]
 
 
-def fit(field, points, kinds, hull=None, tries=8):
-    """Shapes of the given kinds that fit the field, and the worst distances (points outside shapes, shapes outside meshes)."""
-    hull = np.zeros((0, 3)) if hull is None else hull
+def fit(field, points, hull, kinds, units, tries=8):
+    """Shapes of the given kinds that fit the field, and the worst distances: of points, of hull, of the shapes outside the mesh."""
     cuts = np.cumsum([0] + [SIZES[k] for k in kinds])
     shapes = lambda x: [shape(k, x[a:b]) for k, a, b in zip(kinds, cuts, cuts[1:])]
 
@@ -228,7 +227,7 @@ def fit(field, points, kinds, hull=None, tries=8):
         return gap(points), gap(hull), np.concatenate([field.distance(surface(s)) for s in S])
 
     def residual(x):
-        return np.concatenate([(d / unit) ** 4 / max(len(d), 1) ** 0.5 for d, unit in zip(distances(x), (UNDER, HULL, OVER))])
+        return np.concatenate([(d / unit) ** 4 / len(d) ** 0.5 for d, unit in zip(distances(x), units)])
 
     best, rng = None, np.random.default_rng(1)
     for i in range(tries):
@@ -241,7 +240,7 @@ def fit(field, points, kinds, hull=None, tries=8):
         r = least_squares(residual, x0, max_nfev=100)
         if best is None or r.cost < best.cost:
             best = r
-    return shapes(best.x), *(d.max(initial=0) for d in distances(best.x)), best.cost
+    return shapes(best.x), *(d.max() for d in distances(best.x)), best.cost
 
 
 # ---------------------------------------------------------------- the file
@@ -341,8 +340,8 @@ def main():
         covered = [place(n, name) for n in [name, *COVERS.get(name, [])]]
         field = Field(covered + [place(n, name) for n in FILLED.get(name, [])])
         points = np.vstack([field.skin(m) for m in covered])
-        hull = None if name in WITHOUT_HULL else hull_points(points)
-        shapes, under, beyond, over, cost = fit(field, points, [k for k, _ in spec], hull)
+        shapes, under, beyond, over, cost = fit(field, points, hull_points(points), [k for k, _ in spec],
+                                                UNITS.get(name, (UNDER, HULL, OVER)))
         print(f"{name:26} {len(shapes)} shapes, outside them: mesh {1e3 * under:5.1f} mm, hull {1e3 * beyond:5.1f} mm; "
               f"bulge {1e3 * over:5.1f} mm; cost {cost:.2f}", flush=True)
         if only:
