@@ -8,7 +8,7 @@ The fit of a link minimises, over the parameters of its shapes, the 8-norm of th
 the union of the shapes (scale UNDER), of points on the mesh's convex hull outside it (scale HULL), and of points on
 the shapes outside the mesh (scale OVER). Left links are fitted; right ones are their mirror images in y.
 
-Needs: pip install example-robot-data trimesh numpy scipy. Takes about five minutes. `python check_g1.py` judges the result.
+Needs: pip install example-robot-data trimesh numpy scipy. Takes about eight minutes. `python check_g1.py` judges the result.
 Options: link names restrict the fit to them and print their numbers, without writing.
 """
 import site
@@ -30,7 +30,7 @@ SOLE_Z = -0.0354               # m: the sole plane in left_ankle_roll_link, meas
 PALM_Y = -0.0125               # m: the palm plane in left_rubber_hand, measured
 
 # Shapes of each link: kind and material. box: axis-aligned in the link's frame; pbox: pitched about y; rbox: pitched and rolled; obox: any orientation; cap: capsule; ball: sphere;
-# y...: symmetric, its axes in the plane y = 0; wcap: symmetric, its axis along y; sole, palm: a box with one face given.
+# ybox, yball: symmetric in y; wcap: symmetric, its axis along y; sole, palm: a box with one face given.
 LINKS = {
     "pelvis": [("box", "graphite")],
     "pelvis_contour_link": [("wcap", "shell")],
@@ -43,7 +43,7 @@ LINKS = {
     "waist_yaw_link": [("yball", "graphite")],
     "waist_roll_link": [("yball", "joint")],
     "torso_link": [("ybox", "shell"), ("ybox", "shell"), ("ybox", "shell")],
-    "head_link": [("ybox", "graphite"), ("ybox", "visor"), ("ycap", "graphite"), ("yball", "graphite")],
+    "head_link": [("ybox", "graphite"), ("ybox", "graphite"), ("ybox", "visor"), ("yball", "graphite")],
     "left_shoulder_pitch_link": [("ball", "joint")],
     "left_shoulder_roll_link": [("pbox", "shell")],
     "left_shoulder_yaw_link": [("pbox", "shell")],
@@ -53,7 +53,10 @@ LINKS = {
     "left_wrist_yaw_link": [("ball", "joint")],
     "left_rubber_hand": [("palm", "rubber"), ("obox", "rubber")],
 }
-UNITS = {"head_link": (UNDER, np.inf, 0.005)}   # other units: the face stays open
+OPEN = {"head_link"}                    # links whose hollows stay open: the face
+STARTS = {"head_link": [(-0.005, 0.337, 0.046, 0.07, 0.013),   # where clustering finds no good start: x, z and half sizes of
+                        (0.01, 0.382, 0.042, 0.038, 0.017),    # collar, chin, visor, skull
+                        (0.03, 0.48, 0.033, 0.05, 0.036), (-0.02, 0.49, 0.051)]}
 COVERS = {"torso_link": ["logo_link"]}  # links without shapes of their own that another link of the same body covers
 FILLED = {"pelvis_contour_link": ["pelvis"]}   # a shell, and the link of the same body that fills it
 MATERIALS = {"shell": "0.86 0.87 0.89 1", "graphite": "0.16 0.17 0.19 1", "joint": "0.38 0.40 0.44 1",
@@ -73,7 +76,7 @@ HEADER = """
 # ---------------------------------------------------------------- shapes
 # ("box", centre, R, half) | ("cap", p0, p1, radius), a sphere if p0 = p1
 
-SIZES = {"box": 6, "obox": 9, "pbox": 7, "rbox": 8, "ybox": 6, "cap": 7, "ycap": 5, "wcap": 4, "ball": 4, "yball": 3, "sole": 4, "palm": 5}
+SIZES = {"box": 6, "obox": 9, "pbox": 7, "rbox": 8, "ybox": 6, "cap": 7, "wcap": 4, "ball": 4, "yball": 3, "sole": 4, "palm": 5}
 
 
 def shape(kind, x):
@@ -89,8 +92,6 @@ def shape(kind, x):
         return "box", np.array([x[0], 0, x[1]]), Rotation.from_rotvec([0, x[5], 0]).as_matrix(), np.exp(x[2:5])
     if kind == "cap":
         return kind, x[:3], x[3:6], np.exp(x[6])
-    if kind == "ycap":
-        return "cap", np.array([x[0], 0, x[1]]), np.array([x[2], 0, x[3]]), np.exp(x[4])
     if kind == "wcap":
         h = np.exp(x[2])
         return "cap", np.array([x[0], -h, x[1]]), np.array([x[0], h, x[1]]), np.exp(x[3])
@@ -118,13 +119,13 @@ def start(kind, P):
     if kind == "wcap":
         r = half[[0, 2]].mean()
         return np.r_[mid[[0, 2]], np.log(max(half[1] - r, 0.005)), np.log(r)]
-    if kind in ("cap", "ycap"):
-        Q = (P - c) * ([1, 0, 1] if kind == "ycap" else 1)
+    if kind == "cap":
+        Q = P - c
         axis = np.linalg.svd(Q, full_matrices=False)[2][0]
         s = Q @ axis
         r = 0.8 * np.sort(np.linalg.norm(P - c - np.outer(s, axis), axis=1))[-len(P) // 5]
         ends = np.array([c + axis * min(s.min() + r, -0.003), c + axis * max(s.max() - r, 0.003)])
-        return np.r_[(ends[:, [0, 2]] if kind == "ycap" else ends).ravel(), np.log(r)]
+        return np.r_[ends.ravel(), np.log(r)]
     if kind == "sole":
         return np.r_[mid[0], np.log(half[:2]), np.log(hi[2] - SOLE_Z)]
     return np.r_[mid[0], mid[2], np.log(half[[0, 2]]), np.log(max(hi[1] - PALM_Y, 0.01))]
@@ -216,7 +217,7 @@ def hull_points(P):
     return trimesh.sample.sample_surface(hull, max(200, int(hull.area / 0.008**2)), seed=0)[0]
 
 
-def fit(field, points, hull, kinds, units, tries=8):
+def fit(field, points, hull, kinds, units, given=None, tries=8):
     """Shapes of the given kinds that fit the field, and the worst distances: of points, of hull, of the shapes outside the mesh."""
     cuts = np.cumsum([0] + [SIZES[k] for k in kinds])
     shapes = lambda x: [shape(k, x[a:b]) for k, a, b in zip(kinds, cuts, cuts[1:])]
@@ -230,13 +231,13 @@ def fit(field, points, hull, kinds, units, tries=8):
         return np.concatenate([(d / unit) ** 4 / len(d) ** 0.5 for d, unit in zip(distances(x), units)])
 
     best, rng = None, np.random.default_rng(1)
-    for i in range(tries):
+    for i in range(tries if given is None else 1):
         label = kmeans2(points, len(kinds), minit="++", seed=i)[1] if len(kinds) > 1 else np.zeros(len(points), int)
         if len(np.unique(label)) < len(kinds):
             continue
         order = rng.permutation(len(kinds)) if i else np.arange(len(kinds))
         x0 = np.concatenate([start(k, points[label == order[j]]) for j, k in enumerate(kinds)])
-        x0 = x0 + (0.01 * rng.standard_normal(len(x0)) if i else 0)
+        x0 = x0 + (0.01 * rng.standard_normal(len(x0)) if i else 0) if given is None else given
         r = least_squares(residual, x0, max_nfev=100)
         if best is None or r.cost < best.cost:
             best = r
@@ -340,8 +341,10 @@ def main():
         covered = [place(n, name) for n in [name, *COVERS.get(name, [])]]
         field = Field(covered + [place(n, name) for n in FILLED.get(name, [])])
         points = np.vstack([field.skin(m) for m in covered])
-        shapes, under, beyond, over, cost = fit(field, points, hull_points(points), [k for k, _ in spec],
-                                                UNITS.get(name, (UNDER, HULL, OVER)))
+        units = UNDER, np.inf if name in OPEN else HULL, OVER
+        given = [np.r_[x[:2], np.log(x[2:]), [0] * (len(x) == 5)] for x in STARTS.get(name, [])]
+        shapes, under, beyond, over, cost = fit(field, points, hull_points(points), [k for k, _ in spec], units,
+                                                np.concatenate(given) if given else None)
         print(f"{name:26} {len(shapes)} shapes, outside them: mesh {1e3 * under:5.1f} mm, hull {1e3 * beyond:5.1f} mm; "
               f"bulge {1e3 * over:5.1f} mm; cost {cost:.2f}", flush=True)
         if only:

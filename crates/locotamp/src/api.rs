@@ -25,7 +25,7 @@ impl Default for Request {
             preset: Preset::Default,
             seed: 0,
             time_limit: f64::INFINITY,
-            solutions: 2,
+            solutions: 1,
             max_optimised: 200,
         }
     }
