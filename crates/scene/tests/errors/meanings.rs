@@ -185,7 +185,7 @@ pub const STARTS: &[Case] = &[
     (
         "position = [0.0, 0.0]\njoints",
         "position = [0.0, 0.0, 0.9]\njoints",
-        "test.toml:5: start contact of \"left_foot\" on \"ground_top\" does not hold: it is 127. … mm above the surface; correct the start pose",
+        "test.toml:5: start contact of \"left_foot\" on \"ground_top\" does not hold: it is 128. … mm above the surface; correct the start pose",
     ),
     (
         "joints = { waist_yaw_joint = 0.1 }",
