@@ -1,0 +1,174 @@
+//! Rows of contacts: where the interfaces lie, and that they stick.
+
+use std::sync::Arc;
+
+use super::label::label;
+use super::{Builder, Grid, Phase, Program, Slip, Stick, Subject};
+use crate::relative::RelativeFrame;
+use crate::settings::Preset;
+use crate::terms::{
+    PoseTerm, alignment::Alignment, bounds::Bounds, half_space::HalfSpace, height::Height,
+    place::Place, slip_velocity,
+};
+use solver::BlockStructure;
+use symbolic::Contact;
+
+/// True if `contact` binds the geometry of interval `t`: it is active there, or was released at node t
+/// (formulation 2.19: at rest at the release too).
+fn binds(phases: &[Phase], program: &Program, contact: Contact, t: usize) -> bool {
+    let active = |t: usize| {
+        phases[program.phase_of(t)]
+            .state
+            .contacts
+            .contains(&contact)
+    };
+    active(t) || (program.grid == Grid::Motion && t > 0 && active(t - 1))
+}
+
+impl Builder<'_> {
+    /// Index of the relative frame of a contact's two interfaces.
+    pub(super) fn contact_frame(&mut self, contact: Contact) -> usize {
+        let key = (contact.a.0, contact.b.0);
+        if let Some(i) = self.keys.iter().position(|k| *k == key) {
+            return i;
+        }
+        let carrier = |i: usize| {
+            let interface = &self.scene.interfaces[i];
+            self.program
+                .system
+                .carrier(interface.owner, &interface.body_from_interface)
+        };
+        let frame = RelativeFrame::new(&self.program.system.model, carrier(key.0), carrier(key.1));
+        self.keys.push(key);
+        self.program.frames.push(frame);
+        self.keys.len() - 1
+    }
+
+    /// Contact rows of node t and sticking rows of interval t.
+    pub(super) fn contact_geometry(&mut self, t: usize, phases: &[Phase]) {
+        let p = &self.program;
+        let mut all: Vec<Contact> = Vec::new();
+        for k in 0..phases.len() {
+            all.extend(
+                phases[k]
+                    .state
+                    .contacts
+                    .iter()
+                    .filter(|c| !all.contains(c))
+                    .copied()
+                    .collect::<Vec<_>>(),
+            );
+        }
+        let n = p.n_intervals();
+        let keyframes = p.grid.is_keyframes();
+        for contact in all {
+            let here = binds(phases, &self.program, contact, t);
+            let before = t > 0 && binds(phases, &self.program, contact, t - 1);
+            let frame = self.contact_frame(contact);
+            if (here || before) && self.program.nodes[t].var.is_some() {
+                self.contact_rows(t, t, contact, frame);
+            }
+            // The last keyframe has no element of its own; its rows sit in the last one.
+            if keyframes && t + 1 == n && here {
+                self.contact_rows(t, t + 1, contact, frame);
+            }
+            let by_velocity = !keyframes && self.program.settings.preset == Preset::Paper;
+            let p = &mut self.program;
+            if here && p.nodes[t + 1].var.is_some() && (keyframes || p.intervals[t].v) {
+                if by_velocity {
+                    self.slip_rows(t, contact, frame);
+                    continue;
+                }
+                let slot_a = p.nodes[t].slot(frame);
+                let slot_b = p.nodes[t + 1].slot(frame);
+                let place = Arc::new(Place {
+                    yaw: contact.kind.is_patch(),
+                });
+                let element = &mut p.structure.elements[t];
+                let (first_row, block) = (element.n_rows(), element.blocks.len());
+                for _ in 0..place.n_rows() {
+                    element.row_lower.push(0.0);
+                    element.row_upper.push(0.0);
+                    self.labels[t].push(label("contact slip", Subject::Contact(contact), 1.0, "m"));
+                }
+                element.blocks.push(BlockStructure {
+                    first_row,
+                    n_rows: place.n_rows(),
+                    cols: vec![],
+                });
+                p.intervals[t].sticks.push(Stick {
+                    slot_a,
+                    slot_b,
+                    place,
+                    first_row,
+                    block,
+                });
+            }
+        }
+    }
+
+    /// Tangential velocity and yaw rate at node t are zero.
+    fn slip_rows(&mut self, t: usize, contact: Contact, frame: usize) {
+        let p = &mut self.program;
+        let slot = p.nodes[t].slot(frame);
+        let yaw = contact.kind.is_patch();
+        let n_rows = slip_velocity::n_rows(yaw);
+        let element = &mut p.structure.elements[t];
+        let (first_row, block) = (element.n_rows(), element.blocks.len());
+        for r in 0..n_rows {
+            element.row_lower.push(0.0);
+            element.row_upper.push(0.0);
+            let unit = if r < 2 { "m/s" } else { "rad/s" };
+            self.labels[t].push(label("contact slip", Subject::Contact(contact), 1.0, unit));
+        }
+        element.blocks.push(BlockStructure {
+            first_row,
+            n_rows,
+            cols: vec![],
+        });
+        p.intervals[t].slips.push(Slip {
+            slot,
+            yaw,
+            first_row,
+            block,
+        });
+    }
+
+    /// Height, alignment or half space, and bounds of one contact at a node.
+    fn contact_rows(&mut self, element: usize, node: usize, contact: Contact, frame: usize) {
+        let (a, b) = (
+            &self.scene.interfaces[contact.a.0],
+            &self.scene.interfaces[contact.b.0],
+        );
+        let mut terms: Vec<Arc<dyn PoseTerm>> = vec![Arc::new(Height)];
+        if contact.kind.is_patch() {
+            terms.push(Arc::new(Alignment));
+        } else {
+            terms.push(Arc::new(HalfSpace { limb: a.limb }));
+        }
+        if let Some(half_b) = b.half_size {
+            let margin = self.program.settings.margins.bounds;
+            let half_a = if b.overhang || !contact.kind.is_patch() {
+                [0.0; 2]
+            } else {
+                a.half_size.unwrap_or([0.0; 2])
+            };
+            let margin = |i: usize| margin.min(0.5 * (half_b[i] - half_a[i]).max(0.0));
+            terms.push(Arc::new(Bounds {
+                half_a,
+                half_b: [half_b[0] - margin(0), half_b[1] - margin(1)],
+            }));
+        }
+        for term in terms {
+            let category = term.name();
+            let unit = term.unit();
+            self.node_term(
+                element,
+                node,
+                frame,
+                term,
+                label(category, Subject::Contact(contact), 1.0, unit),
+            );
+        }
+    }
+}

@@ -1,0 +1,217 @@
+//! Wrench variables of the active contacts, their bounds and rows.
+
+use std::sync::Arc;
+
+use super::label::label;
+use super::{Builder, Force, ForceRows, OnRobot, Phase, Subject};
+use crate::relative::{Body, Carrier, RelativeFrame};
+use crate::terms::{
+    ForceTerm, friction::Friction, grasp::Grasp, point_friction::PointFriction, pressure::Pressure,
+    support_pressure::SupportPressure, torsion::Torsion,
+};
+use scene::{Owner, Role};
+use solver::BlockStructure;
+use spatial::Pose;
+use symbolic::{Contact, ContactType};
+
+impl Builder<'_> {
+    /// Wrenches of interval `t`.
+    #[allow(clippy::too_many_lines)] // one expression or layout, written down in its own order
+    pub(super) fn forces(&mut self, t: usize, phases: &[Phase]) {
+        if !self.program.intervals[t].dynamics {
+            return;
+        }
+        let phase = &phases[self.program.phase_of(t)];
+        let feet = phase
+            .state
+            .contacts
+            .iter()
+            .filter(|c| self.scene.interfaces[c.a.0].role == Role::Foot)
+            .count();
+        for &contact in &phase.state.contacts {
+            let frame = self.contact_frame(contact);
+            let (a, b) = (
+                &self.scene.interfaces[contact.a.0],
+                &self.scene.interfaces[contact.b.0],
+            );
+            let g = self.scene.gravity.norm();
+            let max_force = a.max_force.min(b.max_force);
+            let (force, load) = match a.owner {
+                Owner::Robot { .. } => {
+                    let load = if a.role == Role::Foot {
+                        self.program.system.robot_mass * g / feet as f64
+                    } else {
+                        0.0
+                    };
+                    (a.max_force / 6.0, load)
+                }
+                Owner::Object(o) => {
+                    let weight = self.scene.objects[o].mass * g;
+                    (weight.max(1.0), weight)
+                }
+                Owner::Static(_) => (10.0, 0.0),
+            };
+            let force = if force.is_finite() {
+                force
+            } else {
+                self.program.system.robot_mass * g / 3.0
+            };
+            let moment = 0.1 * force;
+            let margins = &self.program.settings.margins;
+            let (mu, mu_r) = (
+                a.mu.min(b.mu) * margins.friction,
+                a.mu_r.min(b.mu_r) * margins.friction,
+            );
+            let epsilon = 0.01 * force;
+            let mut terms: Vec<Arc<dyn ForceTerm>> = Vec::new();
+            match contact.kind {
+                ContactType::UnilateralPatch => {
+                    terms.push(Arc::new(Friction {
+                        mu,
+                        epsilon,
+                        scale: force,
+                    }));
+                    terms.push(Arc::new(Torsion::new(mu_r, moment)));
+                    if let Some([x, y]) = a.half_size {
+                        terms.push(Arc::new(Pressure::new(
+                            [x * margins.pressure, y * margins.pressure],
+                            moment,
+                        )));
+                    }
+                    if let (true, Some([x, y])) = (b.overhang, b.half_size) {
+                        let half_size = [x * margins.pressure, y * margins.pressure];
+                        terms.push(Arc::new(SupportPressure {
+                            half_size,
+                            scale: moment,
+                        }));
+                    }
+                }
+                ContactType::BilateralPatch => {
+                    terms.push(Arc::new(Grasp {
+                        max_force,
+                        max_moment: Some(a.max_moment.min(b.max_moment)),
+                    }));
+                }
+                ContactType::UnilateralPoint => terms.push(Arc::new(PointFriction {
+                    mu,
+                    epsilon,
+                    scale: force,
+                })),
+                ContactType::BilateralPoint => terms.push(Arc::new(Grasp {
+                    max_force,
+                    max_moment: None,
+                })),
+            }
+            let on_robot = self.on_robot(t, contact);
+            let p = &mut self.program;
+            let interval = &mut p.intervals[t];
+            let (first, n) = (
+                interval.n_wrench,
+                if contact.kind.is_patch() { 6 } else { 3 },
+            );
+            interval.n_wrench += n;
+            if first == 0 {
+                interval.wrench_var = p.structure.n_vars;
+            }
+            p.structure.n_vars += n;
+            for i in 0..n {
+                let normal = i == 2 && contact.kind == ContactType::UnilateralPatch;
+                let limit = if max_force.is_finite() && i < 3 {
+                    max_force / force
+                } else {
+                    f64::INFINITY
+                };
+                p.structure
+                    .lower
+                    .push(if i < 3 { -limit } else { f64::NEG_INFINITY });
+                p.structure.upper.push(if normal {
+                    0.0
+                } else if i < 3 {
+                    limit
+                } else {
+                    f64::INFINITY
+                });
+            }
+            let slot = p.nodes[t].slot(frame);
+            let element = &mut p.structure.elements[t];
+            let mut rows = Vec::new();
+            for term in terms {
+                let bounds = term.bounds();
+                let (first_row, block, n_rows) =
+                    (element.n_rows(), element.blocks.len(), bounds.len());
+                for (l, u) in bounds {
+                    element.row_lower.push(l);
+                    element.row_upper.push(u);
+                    let (scale, unit) = if term.name() == "friction cone" {
+                        (force, "N")
+                    } else {
+                        (moment, "N m")
+                    };
+                    self.labels[t].push(label(term.name(), Subject::Contact(contact), scale, unit));
+                }
+                element.blocks.push(BlockStructure {
+                    first_row,
+                    n_rows,
+                    cols: vec![],
+                });
+                rows.push(ForceRows {
+                    term,
+                    first_row,
+                    n_rows,
+                    block,
+                });
+            }
+            let mut scale = [force; 6];
+            scale[3..].fill(moment);
+            let reference = [0.0, 0.0, -load / force, 0.0, 0.0, 0.0];
+            interval.forces.push(Force {
+                contact,
+                slot,
+                frame,
+                first,
+                n,
+                scale,
+                reference,
+                on_robot,
+                rows,
+            });
+        }
+    }
+
+    /// The part of a contact in the robot's momentum; `None` if it acts on the robot not at all or at both ends.
+    fn on_robot(&mut self, t: usize, contact: Contact) -> Option<OnRobot> {
+        if !self.program.momentum {
+            return None;
+        }
+        let carrier = |i: usize| {
+            let interface = &self.scene.interfaces[i];
+            self.program
+                .system
+                .carrier(interface.owner, &interface.body_from_interface)
+        };
+        let (a, b) = (carrier(contact.a.0), carrier(contact.b.0));
+        let moves_robot = |carrier: &Carrier| match carrier.body {
+            Body::Joint(j) => j < self.program.system.n_robot_joints,
+            Body::World => false,
+        };
+        let sign = match (moves_robot(&a), moves_robot(&b)) {
+            (true, false) => 1.0,
+            (false, true) => -1.0,
+            _ => return None,
+        };
+        let key = (contact.a.0, usize::MAX);
+        let frame = self.keys.iter().position(|k| *k == key).unwrap_or_else(|| {
+            let world = Carrier {
+                body: Body::World,
+                body_from_frame: Pose::identity(),
+            };
+            self.program
+                .frames
+                .push(RelativeFrame::new(&self.program.system.model, a, world));
+            self.keys.push(key);
+            self.keys.len() - 1
+        });
+        let slot = self.program.nodes[t].slot(frame);
+        Some(OnRobot { frame, slot, sign })
+    }
+}

@@ -1,0 +1,184 @@
+//! The nonlinear program of one contact sequence: which variables, terms and rows exist, and where.
+//!
+//! Nodes t = 0 … N carry configurations of the whole system (robot and objects), intervals t the wrenches of active
+//! contacts, phases their durations. With explicit Euler and rest at both ends q₁ = q₀ and q_N = q_{N−1}
+//! (formulation 2.16), so nodes 0 and 1 are fixed and the last two share their variables.
+//!
+//! One element of the solver per interval: wrenches λ_t, nodes A = t, B = t+1, C = t+2, durations of the phases of this
+//! and the next interval. Terms of node t belong to element t.
+
+mod contacts;
+mod costs;
+mod dynamics;
+mod forces;
+mod goal;
+mod interval;
+mod label;
+mod layout;
+mod node;
+mod rows;
+mod variables;
+
+use crate::collision::{CollisionModel, ExtraClearance};
+use crate::relative::RelativeFrame;
+use crate::settings::{Preset, Settings};
+use crate::system::System;
+use multibody::JointKind;
+use scene::Scene;
+use solver::Structure;
+use symbolic::ContactState;
+
+pub use goal::goal_body;
+pub use interval::{Force, ForceRows, Interval, OnRobot, Slip, Stick};
+pub use label::{RowLabel, Subject};
+pub use node::{Node, NodeCost, NodeTerm};
+
+/// One phase of a contact sequence.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Phase {
+    /// Its contacts.
+    pub state: ContactState,
+    /// Its number of intervals N_k.
+    pub steps: usize,
+}
+
+/// What the nodes stand for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Grid {
+    /// A trajectory with dynamics: N_k intervals per phase.
+    Motion,
+    /// One configuration per phase boundary, geometry only.
+    Keyframes,
+    /// The same without the goal regions, for the beginning of a sequence.
+    OpenKeyframes,
+}
+
+impl Grid {
+    /// True for one configuration per phase boundary.
+    pub fn is_keyframes(self) -> bool {
+        self != Self::Motion
+    }
+}
+
+/// The whole program.
+#[derive(Debug, Clone)]
+pub struct Program {
+    /// The multibody system.
+    pub system: System,
+    /// Options.
+    pub settings: Settings,
+    /// Motion or keyframes.
+    pub grid: Grid,
+    /// Steps per phase (1 for keyframes).
+    pub steps: Vec<usize>,
+    /// All relative frames.
+    pub frames: Vec<RelativeFrame>,
+    /// Nodes 0 … N.
+    pub nodes: Vec<Node>,
+    /// Intervals 0 … N−1.
+    pub intervals: Vec<Interval>,
+    /// First duration variable.
+    pub duration_var: usize,
+    /// Posture that costs nothing, per velocity index (0 for floating bodies).
+    pub home: Vec<f64>,
+    /// Velocity and acceleration weights per velocity index.
+    pub motion_weights: Vec<(f64, f64)>,
+    /// Scale of each row of the equations of motion.
+    pub dynamics_scale: Vec<f64>,
+    /// True if the first six rows of the equations of motion are the robot's momentum ([`crate::momentum`]).
+    pub momentum: bool,
+    /// For the solver.
+    pub structure: Structure,
+    /// One label per row of all elements.
+    pub labels: Vec<RowLabel>,
+}
+
+/// Builds the program step by step.
+struct Builder<'a> {
+    scene: &'a Scene,
+    program: Program,
+    keys: Vec<(usize, usize)>,
+    labels: Vec<Vec<RowLabel>>,
+}
+
+impl Program {
+    /// The program of a contact sequence; node configurations `near` (one per node) choose which collision pairs are
+    /// worth a row; `extra` raises clearances.
+    #[allow(clippy::too_many_arguments)] // the parts of a problem; one caller in this crate
+    pub fn new(
+        scene: &Scene,
+        system: &System,
+        collisions: &CollisionModel,
+        phases: &[Phase],
+        settings: &Settings,
+        grid: Grid,
+        near: &[Vec<f64>],
+        extra: &ExtraClearance,
+    ) -> Self {
+        let steps: Vec<usize> = phases
+            .iter()
+            .map(|p| if grid == Grid::Motion { p.steps } else { 1 })
+            .collect();
+        let n = steps.iter().sum::<usize>();
+        let nv = system.model.nv;
+        let mut builder = Builder {
+            scene,
+            program: Program {
+                system: system.clone(),
+                settings: settings.clone(),
+                grid,
+                frames: vec![],
+                nodes: vec![Node::default(); n + 1],
+                intervals: vec![Interval::default(); n],
+                duration_var: 0,
+                home: vec![0.0; nv],
+                motion_weights: vec![(0.0, 0.0); nv],
+                dynamics_scale: vec![1.0; nv],
+                momentum: settings.preset == Preset::Paper
+                    && system
+                        .robot
+                        .joints
+                        .first()
+                        .is_some_and(|j| j.kind == JointKind::FreeFlyer),
+                structure: Structure::default(),
+                labels: vec![],
+                steps,
+            },
+            keys: vec![],
+            labels: vec![vec![]; n],
+        };
+        builder.scales();
+        builder.variables();
+        builder.costs();
+        for t in 0..n {
+            builder.equations_of_motion(t);
+            builder.velocity_limits(t);
+            builder.contact_geometry(t, phases);
+            builder.forces(t, phases);
+        }
+        builder.goal();
+        builder.clearances(collisions, phases, near, extra);
+        builder.layout();
+        builder.program.labels = builder.labels.into_iter().flatten().collect();
+        builder.program
+    }
+
+    /// Phase of an interval.
+    pub fn phase_of(&self, t: usize) -> usize {
+        self.intervals[t].phase
+    }
+
+    /// Number of intervals.
+    pub fn n_intervals(&self) -> usize {
+        self.intervals.len()
+    }
+
+    /// Node whose configuration node `t` has (the last node rests where its predecessor is).
+    pub fn master_node(&self, t: usize) -> usize {
+        if self.grid == Grid::Motion && t == self.n_intervals() {
+            t - 1
+        } else {
+            t
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! One node: its variables, relative frames, rows and costs.
+
+use std::sync::Arc;
+
+use crate::terms::PoseTerm;
+
+/// Rows of a pose term at a node.
+#[derive(Debug, Clone)]
+pub struct NodeTerm {
+    /// Position in [`Node::frames`].
+    pub slot: usize,
+    /// The term.
+    pub term: Arc<dyn PoseTerm>,
+    /// First row within the element.
+    pub first_row: usize,
+    /// Number of rows.
+    pub n_rows: usize,
+    /// Block within the element.
+    pub block: usize,
+}
+
+/// A cost that is a pose term (summed over its rows).
+#[derive(Debug, Clone)]
+pub struct NodeCost {
+    /// Position in [`Node::frames`].
+    pub slot: usize,
+    /// The term.
+    pub term: Arc<dyn PoseTerm>,
+    /// Weight per row.
+    pub weights: Vec<f64>,
+}
+
+/// One node.
+#[derive(Debug, Clone, Default)]
+pub struct Node {
+    /// First variable of its increments; `None` for a fixed node.
+    pub var: Option<usize>,
+    /// Relative frames evaluated here, indices into [`Program::frames`].
+    pub frames: Vec<usize>,
+    /// Rows.
+    pub terms: Vec<NodeTerm>,
+    /// Costs.
+    pub costs: Vec<NodeCost>,
+    /// Weight of the posture cost.
+    pub posture: f64,
+}
+
+impl Node {
+    /// Position of a relative frame in [`Node::frames`], where it is put if it is new.
+    pub(super) fn slot(&mut self, frame: usize) -> usize {
+        self.frames
+            .iter()
+            .position(|&f| f == frame)
+            .unwrap_or_else(|| {
+                self.frames.push(frame);
+                self.frames.len() - 1
+            })
+    }
+}
