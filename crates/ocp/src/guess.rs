@@ -172,16 +172,56 @@ fn base_offsets(
         .collect()
 }
 
-/// Interpolates keyframes to all nodes of a motion: at rest at every boundary (cubic).
-pub fn interpolate(system: &System, phases: &[Phase], keyframes: &[Vec<f64>]) -> Vec<Vec<f64>> {
+/// Straight lines between keyframes, `steps` per phase.
+pub fn straight(system: &System, keyframes: &[Vec<f64>], steps: usize) -> Vec<Vec<f64>> {
     let mut out = vec![keyframes[0].clone()];
-    for (k, phase) in phases.iter().enumerate() {
-        let difference = system.model.difference(&keyframes[k], &keyframes[k + 1]);
-        for i in 1..=phase.steps {
-            let s = i as f64 / phase.steps as f64;
-            let smooth = s * s * (3.0 - 2.0 * s);
-            let increment: Vec<f64> = difference.iter().map(|d| d * smooth).collect();
-            out.push(system.model.integrate(&keyframes[k], &increment));
+    for pair in keyframes.windows(2) {
+        let difference = system.model.difference(&pair[0], &pair[1]);
+        for i in 1..=steps {
+            let s = i as f64 / steps as f64;
+            let increment: Vec<f64> = difference.iter().map(|d| d * s).collect();
+            out.push(system.model.integrate(&pair[0], &increment));
+        }
+    }
+    out
+}
+
+/// Interpolates a path with `path_steps` configurations per phase to `steps[k]` nodes in phase k: a cubic curve through
+/// all of them (Catmull and Rom 1974), at rest at both ends.
+pub fn interpolate(
+    system: &System,
+    steps: &[usize],
+    path: &[Vec<f64>],
+    path_steps: usize,
+) -> Vec<Vec<f64>> {
+    let differences: Vec<Vec<f64>> = path
+        .windows(2)
+        .map(|pair| system.model.difference(&pair[0], &pair[1]))
+        .collect();
+    let last = differences.len();
+    let tangent = |i: usize, k: usize| {
+        if i == 0 || i == last {
+            0.0
+        } else {
+            0.5 * (differences[i - 1][k] + differences[i][k])
+        }
+    };
+    let mut out = vec![path[0].clone()];
+    for (phase, &count) in steps.iter().enumerate() {
+        for i in 1..=count {
+            let along = (i * path_steps) as f64 / count as f64;
+            let piece = phase * path_steps + (along.ceil() as usize - 1).min(path_steps - 1);
+            let s = along - (piece - phase * path_steps) as f64;
+            let (start, end) = (s * (1.0 - s) * (1.0 - s), s * s * (s - 1.0));
+            let middle = s * s * (3.0 - 2.0 * s);
+            let increment: Vec<f64> = (0..system.model.nv)
+                .map(|k| {
+                    start * tangent(piece, k)
+                        + middle * differences[piece][k]
+                        + end * tangent(piece + 1, k)
+                })
+                .collect();
+            out.push(system.model.integrate(&path[piece], &increment));
         }
     }
     // Explicit Euler from rest and to rest: the first two and the last two nodes coincide.
@@ -216,7 +256,7 @@ pub fn point(program: &Program, scene: &Scene, nodes: Vec<Vec<f64>>) -> Point {
     let _ = scene;
     let durations = match program.grid {
         crate::Grid::Motion => vec![duration; program.steps.len()],
-        crate::Grid::Keyframes | crate::Grid::OpenKeyframes => vec![1.0; program.steps.len()],
+        _ => vec![1.0; program.steps.len()],
     };
     Point {
         nodes,

@@ -12,6 +12,8 @@ use solver::{InteriorPoint, Iteration, Options, Problem, Report, Status};
 
 /// Rounds of solving with more collision pairs or more clearance.
 const REPAIRS: usize = 4;
+/// Configurations of a path per phase.
+const PATH_STEPS: usize = 4;
 /// Rounds of solving keyframes with more collision pairs.
 const KEYFRAME_REPAIRS: usize = 3;
 /// Overlap half-way between two nodes that is tolerated [m].
@@ -145,6 +147,58 @@ impl<'a> Planner<'a> {
         unreachable!("the loop returns in its last round")
     }
 
+    /// Configurations for all nodes of a motion: through a path around obstacles where one is found, else straight from
+    /// keyframe to keyframe.
+    pub fn guide(
+        &self,
+        phases: &[Phase],
+        settings: &Settings,
+        keyframes: &[Vec<f64>],
+    ) -> Vec<Vec<f64>> {
+        let coarse: Vec<Phase> = phases
+            .iter()
+            .map(|p| Phase {
+                state: p.state.clone(),
+                steps: PATH_STEPS,
+            })
+            .collect();
+        let nodes = guess::straight(&self.system, keyframes, PATH_STEPS);
+        let path = self.path(&coarse, settings, nodes);
+        let steps: Vec<usize> = phases.iter().map(|p| p.steps).collect();
+        guess::interpolate(&self.system, &steps, &path, PATH_STEPS)
+    }
+
+    /// A path from straight lines between keyframes.
+    fn path(&self, coarse: &[Phase], settings: &Settings, nodes: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+        let none = ExtraClearance::new();
+        let mut program = self.program(coarse, settings, Grid::Path, &nodes, &none);
+        let mut point = guess::point(&program, self.scene, nodes);
+        let options = Options {
+            max_iterations: 60,
+            feasibility_tolerance: 1e-4,
+            dual_tolerance: 1e-1,
+            complementarity_tolerance: 1e-1,
+            min_barrier: 1e-5,
+            ..Options::default()
+        };
+        for _ in 0..=KEYFRAME_REPAIRS {
+            let mut trajectory = Trajectory::new(program);
+            let structure = trajectory.structure().clone();
+            let report = InteriorPoint::new(&structure).solve(
+                &mut trajectory,
+                &mut point,
+                &options,
+                None,
+                &mut |_| true,
+            );
+            program = self.program(coarse, settings, Grid::Path, &point.nodes, &none);
+            if report.violation > KEYFRAME_TOLERANCE || !violates_new_rows(&program, &point) {
+                break;
+            }
+        }
+        point.nodes
+    }
+
     /// Optimises the motion of a sequence from its keyframes; `observe` sees every iteration and may stop it.
     pub fn motion(
         &self,
@@ -153,7 +207,7 @@ impl<'a> Planner<'a> {
         keyframes: &[Vec<f64>],
         observe: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Motion {
-        let nodes = guess::interpolate(&self.system, phases, keyframes);
+        let nodes = self.guide(phases, settings, keyframes);
         let mut extra = ExtraClearance::new();
         let mut program = self.program(phases, settings, Grid::Motion, &nodes, &extra);
         let mut point = guess::point(&program, self.scene, nodes);

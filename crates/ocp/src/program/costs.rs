@@ -4,8 +4,17 @@ use std::sync::Arc;
 
 use super::{Builder, NodeCost};
 use crate::relative::{Body, Carrier, RelativeFrame};
-use crate::terms::{height::Height, tilt::Tilt};
+use crate::terms::{approach::Approach, height::Height, tilt::Tilt};
+use scene::Role;
 use spatial::Pose;
+
+use super::{Grid, Phase};
+
+/// Distance from its next or last contact that a hand has a step away from it, and anything else between [m].
+const HAND_APPROACH: f64 = 0.08;
+const LIFT: f64 = 0.05;
+/// Weight of the approach [1/m²].
+const APPROACH: f64 = 200.0;
 
 impl Builder<'_> {
     /// Posture, tilt and height costs of every free node.
@@ -47,6 +56,43 @@ impl Builder<'_> {
                     weights: vec![-w.height],
                 });
             }
+        }
+    }
+    /// In a path, what makes or breaks contact with the next or last phase keeps off along the contact's normal.
+    pub(super) fn approaches(&mut self, phases: &[Phase]) {
+        if self.program.grid != Grid::Path {
+            return;
+        }
+        let mut first = 0;
+        for (k, phase) in phases.iter().enumerate() {
+            let end = first + phase.steps;
+            let neighbours = [
+                (k.checked_sub(1), first + 1),
+                ((k + 1 < phases.len()).then_some(k + 1), end - 1),
+            ];
+            for (neighbour, next_to_it) in neighbours {
+                let Some(neighbour) = neighbour else { continue };
+                let apart = phases[neighbour].state.contacts.iter();
+                for &contact in apart.filter(|c| !phase.state.contains(c)) {
+                    let hand = self.scene.interfaces[contact.a.0].role == Role::Hand;
+                    let frame = self.contact_frame(contact);
+                    for t in first + 1..end {
+                        if hand && t != next_to_it {
+                            continue;
+                        }
+                        let slot = self.program.nodes[t].slot(frame);
+                        self.program.nodes[t].costs.push(NodeCost {
+                            slot,
+                            term: Arc::new(Approach {
+                                distance: if hand { HAND_APPROACH } else { LIFT },
+                                centred: hand,
+                            }),
+                            weights: vec![APPROACH],
+                        });
+                    }
+                }
+            }
+            first = end;
         }
     }
 }

@@ -51,10 +51,12 @@ pub enum Grid {
     Keyframes,
     /// The same without the goal regions, for the beginning of a sequence.
     OpenKeyframes,
+    /// A path: several configurations per phase, with the clearances of a motion and no dynamics.
+    Path,
 }
 
 impl Grid {
-    /// True for one configuration per phase boundary.
+    /// True for configurations without dynamics.
     pub fn is_keyframes(self) -> bool {
         self != Self::Motion
     }
@@ -117,7 +119,10 @@ impl Program {
     ) -> Self {
         let steps: Vec<usize> = phases
             .iter()
-            .map(|p| if grid == Grid::Motion { p.steps } else { 1 })
+            .map(|p| match grid {
+                Grid::Motion | Grid::Path => p.steps,
+                Grid::Keyframes | Grid::OpenKeyframes => 1,
+            })
             .collect();
         let n = steps.iter().sum::<usize>();
         let nv = system.model.nv;
@@ -156,6 +161,7 @@ impl Program {
             builder.contact_geometry(t, phases);
             builder.forces(t, phases);
         }
+        builder.approaches(phases);
         builder.goal();
         builder.clearances(collisions, phases, near, extra);
         builder.layout();

@@ -1,4 +1,4 @@
-//! Clearance: a ball of a stays outside a primitive of b.
+//! Clearance: the balls of a stay outside a primitive of b.
 //!
 //! The robot's links are covered by balls (capsules by rows of balls), so every pair is ball against box, half-space
 //! or ball. The box's distance is smooth: with d_±i = ±p_i − h_i over its six faces,
@@ -8,7 +8,14 @@
 //! ```
 //!
 //! convex and infinitely smooth; exact over faces, at most ε ln 3 too large at a corner, and smaller than the Euclidean
-//! distance around edges by up to (1 − 1/√2) of it, which is the safe side.
+//! distance around edges by up to (1 − 1/√2) of it, which is the safe side. All pairs of a and b make one row, the
+//! smooth minimum
+//!
+//! ```text
+//! d = −η ln Σ_k exp(−d_k / η)  ≤  min_k d_k
+//! ```
+//!
+//! too small by η ln n where n pairs are equally near, again on the safe side.
 //!
 //! Source: ours, in place of the paper's sigmoids (eq. penalties), which exclude nothing.
 
@@ -19,6 +26,13 @@ use spatial::Pose;
 
 /// ε [m].
 const SHARPNESS: f64 = 0.006;
+/// η [m].
+pub const EVENNESS: f64 = 0.003;
+/// Balls farther away than the nearest one by more than this have no say: exp(−SEEN/η) is 4e-11 [m].
+const SEEN: f64 = 24.0 * EVENNESS;
+
+/// Share of a row below which a ball's curvature does not count.
+const LEAST_SAY: f64 = 1e-10;
 
 /// A primitive of b.
 #[derive(Debug, Clone)]
@@ -31,7 +45,7 @@ pub enum Obstacle {
     Balls(Vec<(Vector3<f64>, f64)>),
 }
 
-/// One row per ball (and per ball of b): distance − radii ≥ clearance [m].
+/// One row: smooth least distance ≥ clearance [m].
 #[derive(Debug)]
 pub struct Distance {
     /// Balls of a: centres in a and radii.
@@ -44,8 +58,8 @@ pub struct Distance {
     pub clearance: f64,
 }
 
-/// Value, gradient and Hessian of the smooth box distance at p.
-pub fn box_distance(p: &Vector3<f64>, half: &Vector3<f64>) -> (f64, Vector3<f64>, Matrix3<f64>) {
+/// Smooth box distance at p, the weights of the six faces and their sum.
+fn faces(p: &Vector3<f64>, half: &Vector3<f64>) -> (f64, [f64; 6], f64) {
     let faces: [f64; 6] = std::array::from_fn(|i| {
         if i < 3 {
             p[i] - half[i]
@@ -54,12 +68,21 @@ pub fn box_distance(p: &Vector3<f64>, half: &Vector3<f64>) -> (f64, Vector3<f64>
         }
     });
     let largest = faces.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let weights = faces.map(|d| ((d - largest) / SHARPNESS).exp());
+    let weights = faces.map(|d| {
+        let far = (d - largest) / SHARPNESS;
+        if far < -30.0 { 0.0 } else { far.exp() }
+    });
     let sum: f64 = weights.iter().sum();
+    (largest + SHARPNESS * sum.ln(), weights, sum)
+}
+
+/// Value, gradient and Hessian of the smooth box distance at p.
+fn box_distance(p: &Vector3<f64>, half: &Vector3<f64>) -> (f64, Vector3<f64>, Matrix3<f64>) {
+    let (d, weights, sum) = faces(p, half);
     let gradient = Vector3::from_fn(|i, _| (weights[i] - weights[i + 3]) / sum);
     let diagonal = Vector3::from_fn(|i, _| (weights[i] + weights[i + 3]) / sum);
     let hessian = (Matrix3::from_diagonal(&diagonal) - gradient * gradient.transpose()) / SHARPNESS;
-    (largest + SHARPNESS * sum.ln(), gradient, hessian)
+    (d, gradient, hessian)
 }
 
 /// Smooth distance of two centres: √(|p|² + ε²) with ε = 1 mm, never smaller than the distance by more than it.
@@ -70,43 +93,110 @@ fn centre_distance(p: &Vector3<f64>) -> (f64, Vector3<f64>, Matrix3<f64>) {
     (d, g, (Matrix3::identity() - g * g.transpose()) / d)
 }
 
-impl Distance {
-    /// Number of rows.
-    pub fn n_rows(&self) -> usize {
-        match &self.obstacle {
-            Obstacle::Balls(b) => self.balls.len() * b.len(),
-            _ => self.balls.len(),
+impl Obstacle {
+    /// Number of parts with a distance of their own.
+    fn parts(&self) -> usize {
+        match self {
+            Self::Box(_) | Self::HalfSpace => 1,
+            Self::Balls(balls) => balls.len(),
         }
     }
 
-    /// Calls `row(index, centre of the ball in a, (distance, gradient, Hessian) by the centre in b)`.
-    fn for_each(
-        &self,
-        x: &Pose,
-        mut row: impl FnMut(usize, &Vector3<f64>, (f64, Vector3<f64>, Matrix3<f64>)),
-    ) {
-        let mut i = 0;
-        for (centre, radius) in &self.balls {
-            let p = self.obstacle_from_b.act(x.act(*centre));
-            match &self.obstacle {
-                Obstacle::Box(half) => {
-                    let (d, g, h) = box_distance(&p, half);
-                    row(i, centre, (d - radius, g, h));
-                    i += 1;
-                }
-                Obstacle::HalfSpace => {
-                    row(i, centre, (p.z - radius, Vector3::z(), Matrix3::zeros()));
-                    i += 1;
-                }
-                Obstacle::Balls(others) => {
-                    for (other, r) in others {
-                        let (d, g, h) = centre_distance(&(p - other));
-                        row(i, centre, (d - radius - r, g, h));
-                        i += 1;
-                    }
-                }
+    /// A lower bound of the distance of a point to a part that is cheap, and no more than ε ln 6 below it.
+    fn rough_distance(&self, part: usize, p: &Vector3<f64>) -> f64 {
+        match self {
+            Self::Box(half) => (p.abs() - half).max(),
+            Self::HalfSpace => p.z,
+            Self::Balls(balls) => (p - balls[part].0).norm() - balls[part].1,
+        }
+    }
+
+    /// Distance of a point to a part.
+    fn distance(&self, part: usize, p: &Vector3<f64>) -> f64 {
+        match self {
+            Self::Box(half) => faces(p, half).0,
+            Self::HalfSpace => p.z,
+            Self::Balls(balls) => centre_distance(&(p - balls[part].0)).0 - balls[part].1,
+        }
+    }
+
+    /// Distance of a point to a part, gradient and Hessian.
+    fn derivatives(&self, part: usize, p: &Vector3<f64>) -> (f64, Vector3<f64>, Matrix3<f64>) {
+        match self {
+            Self::Box(half) => box_distance(p, half),
+            Self::HalfSpace => (p.z, Vector3::z(), Matrix3::zeros()),
+            Self::Balls(balls) => {
+                let (d, g, h) = centre_distance(&(p - balls[part].0));
+                (d - balls[part].1, g, h)
             }
         }
+    }
+
+    /// Distance of a point to the nearest part, not smoothed and so at most ε ln 6 less [m].
+    pub fn roughly_nearest(&self, p: &Vector3<f64>) -> f64 {
+        (0..self.parts())
+            .map(|part| self.rough_distance(part, p))
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// Distance of a point to the nearest part [m].
+    pub fn nearest(&self, p: &Vector3<f64>) -> f64 {
+        (0..self.parts())
+            .map(|part| self.distance(part, p))
+            .fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// A ball of a and a part of the obstacle.
+struct Near<'a> {
+    centre: &'a Vector3<f64>,
+    /// The centre in the obstacle's frame.
+    p: Vector3<f64>,
+    part: usize,
+    distance: f64,
+}
+
+impl Distance {
+    /// All pairs near enough to the nearest one to have a say. `x` is the pose of a in the obstacle's frame.
+    fn near<'a>(&'a self, x: &'a Pose) -> impl Iterator<Item = Near<'a>> + 'a {
+        let rough = move |(centre, radius): &'a (Vector3<f64>, f64)| {
+            let p = x.act(*centre);
+            (0..self.obstacle.parts()).map(move |part| {
+                let distance = self.obstacle.rough_distance(part, &p) - radius;
+                (centre, *radius, p, part, distance)
+            })
+        };
+        let least = self
+            .balls
+            .iter()
+            .flat_map(rough)
+            .map(|(.., distance)| distance)
+            .fold(f64::INFINITY, f64::min);
+        self.balls
+            .iter()
+            .flat_map(rough)
+            .filter(move |(.., distance)| *distance < least + SEEN)
+            .map(|(centre, radius, p, part, _)| Near {
+                centre,
+                p,
+                part,
+                distance: self.obstacle.distance(part, &p) - radius,
+            })
+    }
+
+    /// Least distance, and Σ exp((least − d_k)/η).
+    fn sum(&self, x: &Pose) -> (f64, f64) {
+        let (mut least, mut sum) = (f64::INFINITY, 0.0);
+        for near in self.near(x) {
+            let d = near.distance;
+            if d < least {
+                sum = sum * ((d - least) / EVENNESS).exp() + 1.0;
+                least = d;
+            } else {
+                sum += ((least - d) / EVENNESS).exp();
+            }
+        }
+        (least, sum)
     }
 }
 
@@ -118,27 +208,84 @@ impl PoseTerm for Distance {
         "m"
     }
     fn bounds(&self) -> Vec<(f64, f64)> {
-        vec![(self.clearance, f64::INFINITY); self.n_rows()]
+        vec![(self.clearance, f64::INFINITY)]
     }
     fn values(&self, b_from_a: &Pose, out: &mut [f64]) {
-        self.for_each(b_from_a, |i, _, (d, _, _)| out[i] = d);
+        let (least, sum) = self.sum(&(self.obstacle_from_b * *b_from_a));
+        out[0] = least - EVENNESS * sum.ln();
     }
     fn gradients(&self, b_from_a: &Pose, out: &mut [Vector6<f64>]) {
         let x = self.obstacle_from_b * *b_from_a;
-        self.for_each(b_from_a, |i, centre, (_, g, _)| {
-            out[i] = point_gradient(&x, centre, &g);
-        });
+        let (least, sum) = self.sum(&x);
+        out[0] = Vector6::zeros();
+        for near in self.near(&x) {
+            let weight = ((least - near.distance) / EVENNESS).exp() / sum;
+            let (_, gradient, _) = self.obstacle.derivatives(near.part, &near.p);
+            out[0] += point_gradient(&x, near.centre, &gradient) * weight;
+        }
     }
     fn hessian(&self, b_from_a: &Pose, weights: &[f64]) -> Matrix6<f64> {
+        // A row far from its bound has a vanishing multiplier and no say in the curvature.
+        if weights[0].abs() < 1e-9 {
+            return Matrix6::zeros();
+        }
         let x = self.obstacle_from_b * *b_from_a;
-        let mut sum = Matrix6::zeros();
-        self.for_each(b_from_a, |i, centre, (_, g, h)| {
-            // A row far from its bound has a vanishing multiplier and no say in the curvature.
-            if weights[i].abs() > 1e-9 {
-                let j = point_jacobian(&x, centre);
-                sum += (j.transpose() * h * j + point_hessian(&x, centre, &g)) * weights[i];
+        let (least, sum) = self.sum(&x);
+        let (mut curvature, mut squares, mut mean) =
+            (Matrix6::zeros(), Matrix6::zeros(), Vector6::zeros());
+        for near in self.near(&x) {
+            let weight = ((least - near.distance) / EVENNESS).exp() / sum;
+            if weight < LEAST_SAY {
+                continue;
             }
-        });
-        sum
+            let (_, slope, bend) = self.obstacle.derivatives(near.part, &near.p);
+            let gradient = point_gradient(&x, near.centre, &slope);
+            let j = point_jacobian(&x, near.centre);
+            let own = point_hessian(&x, near.centre, &slope);
+            curvature += (j.transpose() * bend * j + own) * weight;
+            squares += gradient * gradient.transpose() * weight;
+            mean += gradient * weight;
+        }
+        (curvature - (squares - mean * mean.transpose()) / EVENNESS) * weights[0]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(balls: Vec<(Vector3<f64>, f64)>, obstacle: Obstacle, pose: &Pose) -> f64 {
+        let term = Distance {
+            balls,
+            obstacle,
+            obstacle_from_b: Pose::identity(),
+            clearance: 0.0,
+        };
+        let mut out = [f64::NAN];
+        term.values(pose, &mut out);
+        out[0]
+    }
+
+    #[test]
+    fn a_ball_over_the_middle_of_a_box_reads_its_gap() {
+        let half = Vector3::new(0.3, 0.2, 0.1);
+        let ball = vec![(Vector3::zeros(), 0.05)];
+        let d = row(
+            ball,
+            Obstacle::Box(half),
+            &Pose::from_translation(0.0, 0.0, 0.2),
+        );
+        assert!((d - 0.05).abs() < 1e-9, "{d}");
+    }
+
+    #[test]
+    fn balls_equally_near_read_a_little_less_and_far_ones_nothing() {
+        let at = |x: f64| (Vector3::new(x, 0.0, 0.0), 0.05);
+        let high = Pose::from_translation(0.0, 0.0, 0.1);
+        let two = row(vec![at(-0.1), at(0.1)], Obstacle::HalfSpace, &high);
+        assert!((two - (0.05 - EVENNESS * 2.0_f64.ln())).abs() < 1e-12);
+        let far = (Vector3::new(0.0, 0.0, 0.5), 0.05);
+        let one = row(vec![at(0.0), far], Obstacle::HalfSpace, &high);
+        assert!((one - 0.05).abs() < 1e-12);
     }
 }

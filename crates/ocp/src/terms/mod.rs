@@ -4,6 +4,7 @@
 //! wrench of their contact. Derivatives are by body increments ξ of a (linear first) and by the wrench.
 
 pub mod alignment;
+pub mod approach;
 pub mod bounds;
 pub mod distance;
 pub mod friction;

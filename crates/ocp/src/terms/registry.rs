@@ -2,10 +2,10 @@
 
 use super::distance::{Distance, Obstacle};
 use super::{
-    ForceTerm, PoseTerm, alignment::Alignment, bounds::Bounds, friction::Friction, grasp::Grasp,
-    half_space::HalfSpace, height::Height, place::Place, point_friction::PointFriction,
-    pressure::Pressure, region::Region, sigmoid::Sigmoid, support_pressure::SupportPressure,
-    tilt::Tilt, torsion::Torsion,
+    ForceTerm, PoseTerm, alignment::Alignment, approach::Approach, bounds::Bounds,
+    friction::Friction, grasp::Grasp, half_space::HalfSpace, height::Height, place::Place,
+    point_friction::PointFriction, pressure::Pressure, region::Region, sigmoid::Sigmoid,
+    support_pressure::SupportPressure, tilt::Tilt, torsion::Torsion,
 };
 use nalgebra::Vector3;
 use spatial::Pose;
@@ -54,6 +54,14 @@ pub fn pose_terms() -> Vec<Box<dyn PoseTerm>> {
         )]))),
         Box::new(sigmoid(Obstacle::Box(half))),
         Box::new(sigmoid(Obstacle::HalfSpace)),
+        Box::new(Approach {
+            distance: 0.06,
+            centred: true,
+        }),
+        Box::new(Approach {
+            distance: 3.0,
+            centred: false,
+        }),
     ]
 }
 
@@ -131,16 +139,16 @@ mod tests {
                     values(xi).iter().zip(&weights).map(|(v, w)| v * w).sum()
                 };
                 for j in 0..6 {
-                    let e = Vector6::ith(j, STEP);
-                    let (up, down) = (values(&e), values(&-e));
+                    let apart = |h: f64| -> Vec<f64> {
+                        let (up, down) =
+                            (values(&Vector6::ith(j, h)), values(&Vector6::ith(j, -h)));
+                        up.iter().zip(&down).map(|(u, d)| u - d).collect()
+                    };
+                    let (one, two) = (apart(STEP), apart(2.0 * STEP));
                     for r in 0..n {
-                        close(
-                            term.name(),
-                            "gradient",
-                            gradients[r][j],
-                            (up[r] - down[r]) / (2.0 * STEP),
-                            1.0,
-                        );
+                        // Fourth order: the sharp distance has large third derivatives.
+                        let numeric = (8.0 * one[r] - two[r]) / (12.0 * STEP);
+                        close(term.name(), "gradient", gradients[r][j], numeric, 1.0);
                     }
                     for i in 0..6 {
                         let second = |h: f64| {

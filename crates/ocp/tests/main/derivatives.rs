@@ -37,7 +37,10 @@ fn program(seed: u64, grid: Grid, preset: Preset) -> (Trajectory, Point) {
     ];
     let settings = Settings::new(preset, &scene.optimiser);
     let mut random = Random::new(seed + 5);
-    let n: usize = if grid == Grid::Motion { 8 } else { 3 };
+    let n: usize = match grid {
+        Grid::Motion | Grid::Path => 8,
+        Grid::Keyframes | Grid::OpenKeyframes => 3,
+    };
     let start = system.start(&scene);
     let mut nodes = vec![start.clone()];
     for _ in 0..n {
@@ -141,7 +144,7 @@ fn check(seed: u64, grid: Grid, preset: Preset) {
             trajectory.retract(&x, &direction, s, &mut moved);
             evaluate(&mut trajectory, &moved)
         };
-        let h = 2e-4;
+        let h = 1e-4; // small beside the evenness of clearances
         let (p1, p2, m1, m2, zero) = (at(h), at(2.0 * h), at(-h), at(-2.0 * h), at(0.0));
         let first = |f: &dyn Fn(&Evaluation) -> f64| {
             (8.0 * (f(&p1) - f(&m1)) - f(&p2) + f(&m2)) / (12.0 * h)
@@ -216,6 +219,13 @@ fn the_motion_program_matches_central_differences() {
 fn the_keyframe_program_matches_central_differences() {
     for seed in 0..4 {
         check(seed, Grid::Keyframes, Preset::Default);
+    }
+}
+
+#[test]
+fn the_path_program_matches_central_differences() {
+    for seed in 0..4 {
+        check(seed, Grid::Path, Preset::Default);
     }
 }
 

@@ -1,0 +1,346 @@
+//! The collision model: balls that cover links and objects, obstacles that they avoid, and which pairs get rows.
+//!
+//! Rows are made only for balls that come near an obstacle in given node configurations (the initial guess or the last
+//! solution); whoever solves checks the result and asks again with the pairs that were missed.
+
+mod cover;
+mod pairs;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use cover::{corners, cover};
+pub use pairs::Pair;
+
+use crate::program::{Grid, Phase, Program};
+use crate::relative::{Body, Carrier, RelativeFrame};
+use crate::system::System;
+use crate::terms::distance::Obstacle;
+use multibody::Kinematics;
+use nalgebra::Vector3;
+use scene::{Owner, PlacedShape, Role, Scene, Shape};
+use spatial::Pose;
+
+type Ball = (Vector3<f64>, f64);
+
+/// The body that a ball avoids: a joint, or a static body.
+pub type Other = Result<usize, usize>;
+
+/// More clearance for a pair at a node [m], where the way between two nodes would collide.
+pub type ExtraClearance = BTreeMap<(usize, usize, Other), f64>;
+
+/// A primitive that balls avoid.
+#[derive(Debug, Clone)]
+struct Primitive {
+    /// Joint that carries it; `None` for the world.
+    joint: Option<usize>,
+    /// Static body, if it is one.
+    body: Option<usize>,
+    /// Pose of the body in the primitive's frame.
+    from_body: Pose,
+    obstacle: Obstacle,
+}
+
+/// Two bodies in contact: joint, and joint or static body.
+type Touch = (usize, Other);
+
+impl Primitive {
+    /// Pose of a joint in the primitive's frame.
+    fn pose_of_joint(&self, kinematics: &Kinematics, a: usize) -> Pose {
+        let body_from_a = match self.joint {
+            Some(j) => kinematics.world_from_joint[j].inverse() * kinematics.world_from_joint[a],
+            None => kinematics.world_from_joint[a],
+        };
+        self.from_body * body_from_a
+    }
+}
+
+/// Two links of the robot that must not touch, and their distance in the home posture [m].
+#[derive(Debug, Clone, Copy)]
+struct SelfPair {
+    a: usize,
+    b: usize,
+    at_home: f64,
+}
+
+/// Balls and obstacles of a scene.
+#[derive(Debug, Clone)]
+pub struct CollisionModel {
+    balls: Vec<Vec<Ball>>,
+    /// A ball around all balls of a body.
+    bounds: Vec<Ball>,
+    primitives: Vec<Primitive>,
+    self_pairs: Vec<SelfPair>,
+    feet: Vec<bool>,
+    hands: Vec<bool>,
+}
+
+impl CollisionModel {
+    /// Covers all links and objects.
+    pub fn new(scene: &Scene, system: &System) -> Self {
+        let n = system.model.joints.len();
+        let mut balls: Vec<Vec<Ball>> = vec![vec![]; n];
+        for (frame, shapes) in system.model.frames.iter().zip(&scene.robot.shapes) {
+            if let Some(joint) = frame.joint {
+                for shape in shapes {
+                    cover(
+                        &(frame.joint_from_frame * shape.body_from_shape),
+                        &shape.shape,
+                        &mut balls[joint],
+                    );
+                }
+            }
+        }
+        let mut primitives = Vec::new();
+        for (o, object) in scene.objects.iter().enumerate() {
+            let joint = system.object_joint(o);
+            for placed in &object.shapes {
+                corners(placed, &mut balls[joint]);
+                primitives.push(primitive(Some(joint), None, placed));
+            }
+        }
+        for (s, body) in scene.statics.iter().enumerate() {
+            primitives.extend(
+                body.shapes
+                    .iter()
+                    .map(|placed| primitive(None, Some(s), placed)),
+            );
+        }
+        let carries = |role: Role| {
+            let mut out = vec![false; n];
+            for i in scene.interfaces.iter().filter(|i| i.role == role) {
+                if let Body::Joint(j) = system.carrier(i.owner, &i.body_from_interface).body {
+                    out[j] = true;
+                }
+            }
+            out
+        };
+        let mut model = Self {
+            bounds: balls.iter().map(|b| bounding_ball(b)).collect(),
+            balls,
+            primitives,
+            self_pairs: vec![],
+            feet: carries(Role::Foot),
+            hands: carries(Role::Hand),
+        };
+        model.self_pairs = model.find_self_pairs(scene, system);
+        model
+    }
+
+    /// Pairs of links more than two joints apart that are clear of one another in the home posture.
+    fn find_self_pairs(&self, scene: &Scene, system: &System) -> Vec<SelfPair> {
+        let model = &system.model;
+        let mut home = system.start(scene);
+        let first = model.joints[0].kind.nq();
+        home[first..first + scene.robot.home.len()].copy_from_slice(&scene.robot.home);
+        let mut kinematics = Kinematics::new(model);
+        kinematics.update(model, &home);
+        let path = |j: usize| {
+            let mut out = vec![j];
+            while let Some(parent) = model.joints[out[out.len() - 1]].parent {
+                out.push(parent);
+            }
+            out
+        };
+        let mut pairs = Vec::new();
+        for a in 0..system.n_robot_joints {
+            for b in 0..a {
+                if self.balls[a].is_empty() || self.balls[b].is_empty() {
+                    continue;
+                }
+                let (pa, pb) = (path(a), path(b));
+                let Some(common) = pa.iter().find(|j| pb.contains(j)) else {
+                    continue;
+                };
+                let steps = |p: &[usize]| p.iter().position(|j| j == common).unwrap_or(0);
+                let at_home = self.link_distance(&kinematics, a, b);
+                if steps(&pa) + steps(&pb) > 2 && at_home > 0.0 {
+                    pairs.push(SelfPair { a, b, at_home });
+                }
+            }
+        }
+        pairs
+    }
+
+    fn link_distance(&self, kinematics: &Kinematics, a: usize, b: usize) -> f64 {
+        let b_from_a = kinematics.world_from_joint[b].inverse() * kinematics.world_from_joint[a];
+        let mut least = f64::INFINITY;
+        for (ca, ra) in &self.balls[a] {
+            let p = b_from_a.act(*ca);
+            for (cb, rb) in &self.balls[b] {
+                least = least.min((p - cb).norm() - ra - rb);
+            }
+        }
+        least
+    }
+
+    /// The relative frame of two bodies.
+    pub fn frame(&self, system: &System, a: usize, b: Option<usize>) -> RelativeFrame {
+        let carrier = |body| Carrier {
+            body,
+            body_from_frame: Pose::identity(),
+        };
+        RelativeFrame::new(
+            &system.model,
+            carrier(Body::Joint(a)),
+            carrier(b.map_or(Body::World, Body::Joint)),
+        )
+    }
+
+    /// Bodies that touch at a node: contacts that bind one of its two intervals.
+    fn touching(scene: &Scene, program: &Program, phases: &[Phase], t: usize) -> BTreeSet<Touch> {
+        let mut out = BTreeSet::new();
+        let n = program.n_intervals();
+        let reach = if program.grid == Grid::Motion { 2 } else { 1 };
+        for i in t.saturating_sub(reach)..=t.min(n - 1) {
+            for contact in &phases[program.phase_of(i)].state.contacts {
+                let (a, b) = (
+                    &scene.interfaces[contact.a.0],
+                    &scene.interfaces[contact.b.0],
+                );
+                let Body::Joint(joint) =
+                    program.system.carrier(a.owner, &a.body_from_interface).body
+                else {
+                    continue;
+                };
+                let other = match (
+                    b.owner,
+                    program.system.carrier(b.owner, &b.body_from_interface).body,
+                ) {
+                    (Owner::Static(s), _) => Err(s),
+                    (_, Body::Joint(j)) => Ok(j),
+                    (_, Body::World) => continue,
+                };
+                out.insert((joint, other));
+                if let Ok(j) = other {
+                    out.insert((j, Ok(joint)));
+                }
+            }
+        }
+        out
+    }
+
+    /// Overlaps deeper than `tolerance` half-way between neighbouring nodes: interval, pair, depth [m].
+    pub fn between(
+        &self,
+        program: &Program,
+        scene: &Scene,
+        phases: &[Phase],
+        nodes: &[Vec<f64>],
+        tolerance: f64,
+    ) -> Vec<(usize, usize, Other, f64)> {
+        let model = &program.system.model;
+        let mut kinematics = Kinematics::new(model);
+        let mut out = Vec::new();
+        for t in 0..program.n_intervals() {
+            let half: Vec<f64> = model
+                .difference(&nodes[t], &nodes[t + 1])
+                .iter()
+                .map(|d| 0.5 * d)
+                .collect();
+            kinematics.update(model, &model.integrate(&nodes[t], &half));
+            let touching: BTreeSet<_> = Self::touching(scene, program, phases, t)
+                .union(&Self::touching(scene, program, phases, t + 1))
+                .copied()
+                .collect();
+            self.overlaps(
+                &kinematics,
+                &|a, b| touching.contains(&(a, b)),
+                &mut |depth, a, other| {
+                    if depth > tolerance {
+                        out.push((t, a, other, depth));
+                    }
+                },
+            );
+        }
+        out
+    }
+
+    /// Worst overlap of the system at a configuration, of bodies that do not touch: depth [m] and the pair.
+    pub fn deepest(
+        &self,
+        kinematics: &Kinematics,
+        touching: &dyn Fn(usize, Other) -> bool,
+    ) -> Option<(f64, usize, Other)> {
+        let mut worst: Option<(f64, usize, Other)> = None;
+        self.overlaps(kinematics, touching, &mut |depth, a, b| {
+            if depth > 0.0 && worst.as_ref().is_none_or(|w| depth > w.0) {
+                worst = Some((depth, a, b));
+            }
+        });
+        worst
+    }
+
+    /// Calls `see(depth, a, b)` for every pair of bodies that do not touch; a negative depth is a distance.
+    fn overlaps(
+        &self,
+        kinematics: &Kinematics,
+        touching: &dyn Fn(usize, Other) -> bool,
+        see: &mut dyn FnMut(f64, usize, Other),
+    ) {
+        for a in 0..self.balls.len() {
+            for primitive in &self.primitives {
+                let Some(other) = primitive.joint.map(Ok).or(primitive.body.map(Err)) else {
+                    continue;
+                };
+                if primitive.joint == Some(a) || self.balls[a].is_empty() || touching(a, other) {
+                    continue;
+                }
+                let x = primitive.pose_of_joint(kinematics, a);
+                let depth = self.balls[a]
+                    .iter()
+                    .map(|(c, r)| r - primitive.obstacle.nearest(&x.act(*c)))
+                    .fold(f64::NEG_INFINITY, f64::max);
+                see(depth, a, other);
+            }
+        }
+        for &SelfPair { a, b, .. } in &self.self_pairs {
+            see(-self.link_distance(kinematics, a, b), a, Ok(b));
+        }
+    }
+
+    /// Bodies that the start contacts of a scene bring together.
+    pub fn start_touches(scene: &Scene, system: &System) -> Vec<Touch> {
+        let mut out = Vec::new();
+        for contact in &scene.start_contacts {
+            let (a, b) = (
+                &scene.interfaces[contact.a.0],
+                &scene.interfaces[contact.b.0],
+            );
+            let body = |i: &scene::Interface| system.carrier(i.owner, &i.body_from_interface).body;
+            match (body(a), b.owner, body(b)) {
+                (Body::Joint(j), Owner::Static(s), _) => out.push((j, Err(s))),
+                (Body::Joint(j), _, Body::Joint(k)) => out.extend([(j, Ok(k)), (k, Ok(j))]),
+                _ => {}
+            }
+        }
+        out
+    }
+}
+
+/// A ball around balls (around their centres' mean; the origin for none).
+fn bounding_ball(balls: &[Ball]) -> Ball {
+    let mean = balls.iter().map(|b| b.0).sum::<Vector3<f64>>() / balls.len().max(1) as f64;
+    let radius = balls
+        .iter()
+        .map(|(c, r)| (c - mean).norm() + r)
+        .fold(0.0, f64::max);
+    (mean, radius)
+}
+
+fn primitive(joint: Option<usize>, body: Option<usize>, placed: &PlacedShape) -> Primitive {
+    let (obstacle, turn) = match &placed.shape {
+        Shape::Box { half_size } => (Obstacle::Box(*half_size), placed.body_from_shape),
+        Shape::HalfSpace => (Obstacle::HalfSpace, placed.body_from_shape),
+        Shape::Sphere { .. } | Shape::Capsule { .. } => {
+            let mut balls = Vec::new();
+            cover(&Pose::identity(), &placed.shape, &mut balls);
+            (Obstacle::Balls(balls), placed.body_from_shape)
+        }
+    };
+    Primitive {
+        joint,
+        body,
+        from_body: turn.inverse(),
+        obstacle,
+    }
+}

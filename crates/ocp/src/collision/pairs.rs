@@ -1,0 +1,265 @@
+//! Which pairs of bodies get rows (or a penalty) at which node, and with which balls.
+
+use std::sync::Arc;
+
+use super::{Ball, CollisionModel, ExtraClearance, Other, Primitive, SelfPair};
+use crate::program::{Grid, Phase, Program};
+use crate::settings::Preset;
+use crate::terms::PoseTerm;
+use crate::terms::distance::{Distance, EVENNESS, Obstacle};
+use crate::terms::sigmoid::Sigmoid;
+use multibody::Kinematics;
+use scene::Scene;
+use spatial::Pose;
+
+/// A pair of bodies nearer than this in the guide configurations gets a row [m].
+const NEAR: f64 = 0.15;
+/// The same for two links of the robot [m].
+const NEAR_SELF: f64 = 0.08;
+/// Nodes before and after a node whose guide configurations count for it: phases shift while they are optimised.
+const WINDOW: usize = 2;
+/// What the smooth least distance may fall short of the true one where a keyframe must not be rejected [m].
+const BLUR: f64 = 1.4 * EVENNESS;
+/// Clearance demanded one node away from a contact of the same bodies [m], and its growth per node.
+const RAMP: (f64, f64) = (-0.008, 0.008);
+/// Nodes of a motion to which one of a path corresponds, for the growth of clearances.
+const PATH_STRIDE: usize = 3;
+/// Slope of the sigmoid penalties of the paper preset [1/m] (the yardstick's).
+const SIGMOID_SLOPE: f64 = 40.0;
+
+/// One pair that gets rows (or a penalty) at a node.
+#[derive(Debug, Clone)]
+pub struct Pair {
+    /// Node.
+    pub node: usize,
+    /// Joint that carries the balls.
+    pub a: usize,
+    /// Joint that carries the obstacle; `None` for the world.
+    pub b: Option<usize>,
+    /// Rows.
+    pub term: Arc<dyn PoseTerm>,
+}
+
+/// Guide configurations that count for a node, and how long ago pairs touched.
+struct At<'a> {
+    node: usize,
+    window: &'a [Kinematics],
+    since: &'a dyn Fn(usize, Other) -> Option<usize>,
+}
+
+impl CollisionModel {
+    /// Clearance demanded of a pair that touches `d` nodes away (`None`: never).
+    fn ramp(full: f64, d: Option<usize>) -> f64 {
+        d.map_or(full, |d| full.min(RAMP.0 + RAMP.1 * d as f64))
+    }
+
+    /// All pairs that get rows, given one guide configuration per node.
+    pub fn pairs(
+        &self,
+        program: &Program,
+        scene: &Scene,
+        phases: &[Phase],
+        near: &[Vec<f64>],
+        extra: &ExtraClearance,
+    ) -> Vec<Pair> {
+        let model = &program.system.model;
+        let kinematics: Vec<Kinematics> = near
+            .iter()
+            .map(|q| {
+                let mut kinematics = Kinematics::new(model);
+                kinematics.update(model, q);
+                kinematics
+            })
+            .collect();
+        let n = program.n_intervals();
+        let touching: Vec<_> = (0..=n)
+            .map(|t| Self::touching(scene, program, phases, t))
+            .collect();
+        let width = match program.grid {
+            Grid::Motion => WINDOW,
+            Grid::Path => 1,
+            Grid::Keyframes | Grid::OpenKeyframes => 0,
+        };
+        let mut out = Vec::new();
+        for t in 0..=n {
+            if program.nodes[t].var.is_none() || program.master_node(t) != t {
+                continue;
+            }
+            let since = |a: usize, other: Other| -> Option<usize> {
+                (0..=n)
+                    .filter(|&i| touching[i].contains(&(a, other)))
+                    .map(|i| i.abs_diff(t))
+                    .min()
+            };
+            let at = At {
+                node: t,
+                window: &kinematics[t.saturating_sub(width)..=(t + width).min(n)],
+                since: &since,
+            };
+            self.obstacle_pairs(program, &at, extra, &mut out);
+            if program.settings.preset == Preset::Default {
+                self.link_pairs(program, &at, &mut out);
+            }
+        }
+        out
+    }
+
+    /// Links and objects against objects and the environment.
+    fn obstacle_pairs(
+        &self,
+        program: &Program,
+        at: &At<'_>,
+        extra: &ExtraClearance,
+        out: &mut Vec<Pair>,
+    ) {
+        let paper = program.settings.preset == Preset::Paper;
+        for a in 0..self.balls.len() {
+            // The paper penalises end-effectors and objects, not every link.
+            if paper && a < program.system.n_robot_joints && !self.feet[a] && !self.hands[a] {
+                continue;
+            }
+            for primitive in &self.primitives {
+                if primitive.joint == Some(a) || self.balls[a].is_empty() {
+                    continue;
+                }
+                let Some(other) = primitive.joint.map(Ok).or(primitive.body.map(Err)) else {
+                    continue;
+                };
+                let since = (at.since)(a, other);
+                if since == Some(0) {
+                    continue;
+                }
+                let balls = if paper {
+                    self.balls[a].clone()
+                } else {
+                    self.balls_near(a, primitive, at.window)
+                };
+                if balls.is_empty() {
+                    continue;
+                }
+                let (obstacle, obstacle_from_b) = (primitive.obstacle.clone(), primitive.from_body);
+                let term: Arc<dyn PoseTerm> = if paper {
+                    Arc::new(Sigmoid {
+                        points: balls,
+                        obstacle,
+                        obstacle_from_b,
+                        slope: SIGMOID_SLOPE,
+                    })
+                } else {
+                    let more = extra.get(&(at.node, a, other)).copied().unwrap_or(0.0);
+                    Arc::new(Distance {
+                        balls,
+                        obstacle,
+                        obstacle_from_b,
+                        clearance: self.clearance(program, a, primitive, since) + more,
+                    })
+                };
+                out.push(Pair {
+                    node: at.node,
+                    a,
+                    b: primitive.joint,
+                    term,
+                });
+            }
+        }
+    }
+
+    /// Clearance demanded of a body and a primitive that touched `since` nodes away.
+    fn clearance(
+        &self,
+        program: &Program,
+        a: usize,
+        primitive: &Primitive,
+        since: Option<usize>,
+    ) -> f64 {
+        let margins = &program.settings.margins;
+        let full = if self.feet[a] && primitive.joint.is_none() {
+            margins.swing
+        } else {
+            margins.clearance
+        };
+        match program.grid {
+            Grid::Keyframes | Grid::OpenKeyframes => -BLUR,
+            Grid::Path => Self::ramp(full, since.map(|d| d * PATH_STRIDE)),
+            Grid::Motion => Self::ramp(full, since),
+        }
+    }
+
+    /// Balls of a body that come near a primitive in any of the configurations.
+    fn balls_near(&self, a: usize, primitive: &Primitive, window: &[Kinematics]) -> Vec<Ball> {
+        let (centre, radius) = self.bounds[a];
+        let poses: Vec<Pose> = window
+            .iter()
+            .map(|kinematics| primitive.pose_of_joint(kinematics, a))
+            .filter(|x| primitive.obstacle.roughly_nearest(&x.act(centre)) - radius < NEAR)
+            .collect();
+        let near = |(c, r): &&Ball| {
+            poses
+                .iter()
+                .any(|x| primitive.obstacle.roughly_nearest(&x.act(*c)) - r < NEAR)
+        };
+        self.balls[a].iter().filter(near).copied().collect()
+    }
+
+    /// Links of the robot against one another.
+    fn link_pairs(&self, program: &Program, at: &At<'_>, out: &mut Vec<Pair>) {
+        for pair in &self.self_pairs {
+            let (near_a, near_b) = self.balls_near_link(pair, at.window);
+            if near_a.is_empty() {
+                continue;
+            }
+            let clearance = match program.grid {
+                Grid::Keyframes | Grid::OpenKeyframes => -BLUR,
+                _ => program
+                    .settings
+                    .margins
+                    .self_clearance
+                    .min(0.5 * (pair.at_home - BLUR).max(0.0)),
+            };
+            out.push(Pair {
+                node: at.node,
+                a: pair.a,
+                b: Some(pair.b),
+                term: Arc::new(Distance {
+                    balls: near_a,
+                    obstacle: Obstacle::Balls(near_b),
+                    obstacle_from_b: Pose::identity(),
+                    clearance,
+                }),
+            });
+        }
+    }
+
+    /// Balls of two links that come near one another in any of the configurations.
+    fn balls_near_link(&self, pair: &SelfPair, window: &[Kinematics]) -> (Vec<Ball>, Vec<Ball>) {
+        let (a, b) = (&self.balls[pair.a], &self.balls[pair.b]);
+        let (bound_a, bound_b) = (self.bounds[pair.a], self.bounds[pair.b]);
+        let near = |x: &Pose, p: &Ball, q: &Ball| (x.act(p.0) - q.0).norm() - p.1 - q.1 < NEAR_SELF;
+        let poses: Vec<Pose> = window
+            .iter()
+            .map(|k| k.world_from_joint[pair.b].inverse() * k.world_from_joint[pair.a])
+            .filter(|x| near(x, &bound_a, &bound_b))
+            .collect();
+        if poses.is_empty() {
+            return (vec![], vec![]);
+        }
+        let some = |p: &Ball, q: &Ball| poses.iter().any(|x| near(x, p, q));
+        // Few balls come near the other link at all; only those are compared one by one.
+        let a: Vec<Ball> = a.iter().filter(|p| some(p, &bound_b)).copied().collect();
+        let b: Vec<Ball> = b.iter().filter(|q| some(&bound_a, q)).copied().collect();
+        let (mut near_a, mut near_b) = (vec![false; a.len()], vec![false; b.len()]);
+        for (i, p) in a.iter().enumerate() {
+            for (j, q) in b.iter().enumerate() {
+                if !(near_a[i] && near_b[j]) && some(p, q) {
+                    (near_a[i], near_b[j]) = (true, true);
+                }
+            }
+        }
+        let kept = |balls: Vec<Ball>, near: Vec<bool>| {
+            let both = balls.into_iter().zip(near);
+            both.filter_map(|(ball, near)| near.then_some(ball))
+                .collect()
+        };
+        (kept(a, near_a), kept(b, near_b))
+    }
+}
