@@ -36,6 +36,14 @@ impl Model {
     /// # Panics
     /// If `q`, `dv` or `out` has the wrong length.
     pub fn integrate_into(&self, q: &[f64], dv: &[f64], out: &mut [f64]) {
+        self.integrate_scaled_into(q, dv, 1.0, out);
+    }
+
+    /// q ⊕ step · δ, as [`Model::integrate_into`].
+    ///
+    /// # Panics
+    /// If `q`, `dv` or `out` has the wrong length.
+    pub fn integrate_scaled_into(&self, q: &[f64], dv: &[f64], step: f64, out: &mut [f64]) {
         assert_eq!(
             (q.len(), dv.len(), out.len()),
             (self.nq, self.nv, self.nq),
@@ -44,7 +52,7 @@ impl Model {
         for joint in &self.joints {
             let (i, k) = (joint.idx_q, joint.idx_v);
             if joint.kind == JointKind::FreeFlyer {
-                let xi = Vector6::from_fn(|row, _| dv[k + row]);
+                let xi = Vector6::from_fn(|row, _| step * dv[k + row]);
                 let mut moved = base_pose(&q[i..]).plus(&xi).to_xyzquat();
                 let same_side: f64 = (3..7).map(|c| moved[c] * q[i + c]).sum();
                 if same_side < 0.0 {
@@ -52,7 +60,7 @@ impl Model {
                 }
                 out[i..i + 7].copy_from_slice(&moved);
             } else {
-                out[i] = q[i] + dv[k];
+                out[i] = q[i] + step * dv[k];
             }
         }
     }
@@ -129,6 +137,16 @@ mod tests {
             let gap = model.difference(&q1, &again);
             assert!(gap.iter().all(|x| x.abs() < 1e-12), "{gap:?}");
         }
+    }
+
+    #[test]
+    fn a_scaled_increment_is_the_increment_scaled() {
+        let model = Model::random(2, Root::Floating, 5);
+        let q = model.random_configuration(2);
+        let (whole, half) = (vec![0.4; model.nv], vec![0.2; model.nv]);
+        let mut out = vec![f64::NAN; model.nq];
+        model.integrate_scaled_into(&q, &whole, 0.5, &mut out);
+        assert_eq!(out, model.integrate(&q, &half));
     }
 
     #[test]

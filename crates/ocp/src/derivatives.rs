@@ -41,9 +41,12 @@ impl Trajectory {
                     }
                     column += 1;
                 }
-                let weights: Vec<f64> = (0..rows).map(|r| sign * y[stick.first_row + r]).collect();
-                let gradient = weighted_sum(&s.gradients[..rows], &weights);
-                let hessian = stick.place.hessian(&relative.b_from_a, &weights);
+                let weights = &mut s.values[..rows];
+                for (r, w) in weights.iter_mut().enumerate() {
+                    *w = sign * y[stick.first_row + r];
+                }
+                let gradient = weighted_sum(&s.gradients[..rows], weights);
+                let hessian = stick.place.hessian(&relative.b_from_a, weights);
                 frame.pose_hessian(relative, &gradient, &hessian, |k, l, value| {
                     let (i, j) = (first + frame.cols[k], first + frame.cols[l]);
                     out.hessian[i.min(j) * n + i.max(j)] += value;
@@ -127,9 +130,8 @@ impl Trajectory {
             let Motion { v, a, .. } = &s.chain.motion;
             let model = &program.system.model;
             let kinematics = &self.nodes[t].kinematics;
-            s.derivatives.compute(model, kinematics, v, a);
             s.hessian.compute(model, kinematics, v, a, &s.weights);
-            s.chain.start(&s.derivatives, &s.hessian);
+            s.chain.start(&s.hessian);
             for force in &interval.forces {
                 let wrench = physical_wrench(force, &x.wrenches[t]);
                 let relative = &self.nodes[t].relatives[force.slot];
@@ -182,9 +184,9 @@ impl Trajectory {
             );
             s.chain.gradients_from_weights(&s.weights);
             if program.momentum {
-                let pushes = program.pushes(x, t, &self.nodes[t].relatives);
                 let kinematics = [&self.nodes[t].kinematics, &self.nodes[t + 1].kinematics];
-                let at = Context::new(program, t, kinematics, [here, next], &pushes);
+                let (relatives, wrenches) = (&self.nodes[t].relatives, &x.wrenches[t]);
+                let at = Context::new(program, t, kinematics, [here, next], relatives, wrenches);
                 s.momentum.derivatives(&at, y, &mut s.chain, out);
             }
             for slip in &interval.slips {

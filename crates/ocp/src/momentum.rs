@@ -16,12 +16,11 @@
 
 use crate::chain::{Chain, Layout};
 use crate::difference::Difference;
-use crate::point::Point;
 use crate::problem::physical_wrench;
 use crate::program::{Force, Program};
 use crate::relative::{Relative, RelativeFrame, bracket, bracket_transpose};
 use multibody::{CenterOfMass, Centroidal, CentroidalDerivatives, Kinematics, Model};
-use nalgebra::{DMatrix, DVector, Matrix3xX, Matrix6, Vector3, Vector6};
+use nalgebra::{DMatrix, Matrix3xX, Matrix6, Vector3, Vector6};
 use solver::ElementData;
 
 /// A contact's wrench on the robot.
@@ -54,18 +53,21 @@ pub struct Context<'a> {
     pub layout: Layout,
     /// Momentum that counts as one, per row [N·s, N·m·s].
     pub scale: &'a [f64],
-    /// Wrenches on the robot.
-    pub pushes: &'a [Push<'a>],
+    frames: &'a [RelativeFrame],
+    forces: &'a [Force],
+    relatives: &'a [Relative],
+    wrenches: &'a [f64],
 }
 
 impl<'a> Context<'a> {
-    /// Interval `t` of a program.
+    /// Interval `t` of a program, with the relative poses of node t and the interval's scaled wrenches.
     pub fn new(
         program: &'a Program,
         t: usize,
         kinematics: [&'a Kinematics; 2],
         differences: [Option<&'a Difference>; 2],
-        pushes: &'a [Push<'a>],
+        relatives: &'a [Relative],
+        wrenches: &'a [f64],
     ) -> Self {
         let system = &program.system;
         Self {
@@ -75,35 +77,26 @@ impl<'a> Context<'a> {
             differences,
             layout: (&program.intervals[t]).into(),
             scale: &program.dynamics_scale[..6],
-            pushes,
+            frames: &program.frames,
+            forces: &program.intervals[t].forces,
+            relatives,
+            wrenches,
         }
     }
-}
 
-impl Program {
-    /// The wrenches on the robot in interval `t`.
-    pub(crate) fn pushes<'a>(
-        &'a self,
-        x: &Point,
-        t: usize,
-        relatives: &'a [Relative],
-    ) -> Vec<Push<'a>> {
-        let on_robot = |force: &'a Force| {
+    /// The wrenches on the robot.
+    fn pushes(&self) -> impl Iterator<Item = Push<'a>> {
+        self.forces.iter().filter_map(|force| {
             let on = force.on_robot?;
             Some(Push {
                 frame: &self.frames[on.frame],
-                relative: &relatives[on.slot],
-                wrench: physical_wrench(force, &x.wrenches[t]) * on.sign,
+                relative: &self.relatives[on.slot],
+                wrench: physical_wrench(force, self.wrenches) * on.sign,
                 first: force.first,
                 n: force.n,
                 scale: force.scale.map(|s| s * on.sign),
             })
-        };
-        self.intervals[t]
-            .forces
-            .iter()
-            .filter_map(on_robot)
-            .collect()
+        })
     }
 }
 
@@ -115,8 +108,9 @@ pub struct Momentum {
     six: DMatrix<f64>,
     chained: DMatrix<f64>,
     square: DMatrix<f64>,
-    rate_by_q: DVector<f64>,
     force_by_q: Matrix3xX<f64>,
+    by_v: Vec<f64>,
+    by_v_chained: Vec<f64>,
 }
 
 impl Momentum {
@@ -129,8 +123,9 @@ impl Momentum {
             six: DMatrix::repeat(6, nv, f64::NAN),
             chained: DMatrix::repeat(6, nv, f64::NAN),
             square: DMatrix::repeat(nv, nv, f64::NAN),
-            rate_by_q: DVector::repeat(nv, f64::NAN),
             force_by_q: Matrix3xX::repeat(nv, f64::NAN),
+            by_v: vec![f64::NAN; nv],
+            by_v_chained: vec![f64::NAN; nv],
         }
     }
 
@@ -212,7 +207,6 @@ impl Momentum {
         let (dt, steps) = (chain.motion.dt, chain.motion.steps);
         let (y_lin, y_ang) = (linear(y), angular(y));
         let (com, com_by_q) = self.com.compute(at.robot, at.kinematics[0]);
-        let com_by_q = com_by_q.clone();
         if let Some(time) = at.layout.time {
             add_column(
                 at,
@@ -222,11 +216,10 @@ impl Momentum {
                 &mut out.jacobians[0],
             );
         }
-        self.rate_by_q.fill(0.0);
         self.force_by_q.fill(0.0);
         self.six.fill(0.0);
         let mut force = Vector3::zeros();
-        for push in at.pushes {
+        for push in at.pushes() {
             let x = &push.relative.b_from_a;
             let (rot, arm) = (x.rotation(), x.origin() - com);
             let (f, k) = (linear(&push.wrench), angular(&push.wrench));
@@ -335,8 +328,12 @@ impl Momentum {
         self.derivatives.compute_hessian(at.robot, y);
         let firsts = [at.layout.b, at.layout.c];
         self.add_rows(at, firsts, difference, 1.0, dt, &mut out.jacobians[0]);
-        let mut by_v = vec![0.0; nv];
-        for (g, column) in by_v.iter_mut().zip(self.derivatives.dh_dv().column_iter()) {
+        self.by_v.fill(0.0);
+        for (g, column) in self
+            .by_v
+            .iter_mut()
+            .zip(self.derivatives.dh_dv().column_iter())
+        {
             *g = column.dot(y) / dt;
         }
         let [b, c] = firsts;
@@ -365,7 +362,7 @@ impl Momentum {
                 }
             }
         }
-        difference.curvature(&by_v, |block_row, i, block_col, j, value| {
+        difference.curvature(&self.by_v, |block_row, i, block_col, j, value| {
             if let (Some(r), Some(c)) = (firsts[block_row], firsts[block_col]) {
                 let (row, col) = (r + i, c + j);
                 out.hessian[row.min(col) * n + row.max(col)] += value;
@@ -379,9 +376,9 @@ impl Momentum {
         add_column(at, time, &(by_dt / steps), nv, &mut out.jacobians[0]);
         for (block, first) in firsts.into_iter().enumerate() {
             let Some(first) = first else { continue };
-            let mut chained = by_v.clone();
-            difference.chain_vector(&mut chained, block == 1);
-            for (l, chained) in chained.iter().enumerate() {
+            self.by_v_chained.copy_from_slice(&self.by_v);
+            difference.chain_vector(&mut self.by_v_chained, block == 1);
+            for (l, chained) in self.by_v_chained.iter().enumerate() {
                 let mut value = chained / dt;
                 if block == 0 && l < robot_nv {
                     value += (0..robot_nv).map(|k| qv[(l, k)] * v[k]).sum::<f64>() / dt;
@@ -389,7 +386,7 @@ impl Momentum {
                 out.hessian[(first + l) * n + time] -= value / steps;
             }
         }
-        let twice: f64 = by_v.iter().zip(v).map(|(g, v)| 2.0 * g * v).sum();
+        let twice: f64 = self.by_v.iter().zip(v).map(|(g, v)| 2.0 * g * v).sum();
         out.hessian[time * n + time] += twice / (dt * steps * steps);
     }
 
@@ -436,7 +433,7 @@ impl Momentum {
 /// Force and moment about the centre of mass on the robot, world axes.
 fn rate(at: &Context, com: &Vector3<f64>) -> Vector6<f64> {
     let mut sum = stack(&at.weight, &Vector3::zeros());
-    for push in at.pushes {
+    for push in at.pushes() {
         let x = &push.relative.b_from_a;
         let force = x.rotation() * linear(&push.wrench);
         let moment = x.rotation() * angular(&push.wrench);

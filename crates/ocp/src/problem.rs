@@ -12,7 +12,7 @@ use crate::relative::Relative;
 use crate::slip::{self, Slips};
 use crate::terms::PoseTerm;
 use crate::terms::place::Place;
-use multibody::{Kinematics, Rnea, RneaDerivatives, RneaHessian};
+use multibody::{Kinematics, Rnea, RneaHessian};
 use nalgebra::{DMatrix, Vector6};
 use solver::{ElementData, Problem, Structure};
 
@@ -26,7 +26,6 @@ pub(crate) struct NodeState {
 /// Scratch of one interval's evaluation.
 pub(crate) struct Scratch {
     pub(crate) rnea: Rnea,
-    pub(crate) derivatives: RneaDerivatives,
     pub(crate) hessian: RneaHessian,
     pub(crate) chain: Chain,
     pub(crate) tau: Vec<f64>,
@@ -77,7 +76,6 @@ impl Trajectory {
             .unwrap_or(0);
         let scratch = Scratch {
             rnea: Rnea::new(model),
-            derivatives: RneaDerivatives::new(model),
             hessian: RneaHessian::new(model),
             chain: Chain::new(nv),
             tau: vec![f64::NAN; nv],
@@ -216,13 +214,13 @@ impl Trajectory {
                 out.values[i] = s.tau[i] / program.dynamics_scale[i];
             }
             if program.momentum {
-                let pushes = program.pushes(x, t, &self.nodes[t].relatives);
                 let kinematics = [&self.nodes[t].kinematics, &self.nodes[t + 1].kinematics];
                 let differences = [
                     interval.v.then(|| &self.differences[t]),
                     interval.v_next.then(|| &self.differences[t + 1]),
                 ];
-                let at = Context::new(program, t, kinematics, differences, &pushes);
+                let (relatives, wrenches) = (&self.nodes[t].relatives, &x.wrenches[t]);
+                let at = Context::new(program, t, kinematics, differences, relatives, wrenches);
                 let Motion { v, v_next, dt, .. } = &s.chain.motion;
                 s.momentum.values(&at, v, v_next, *dt, &mut out.values);
             }
@@ -356,15 +354,12 @@ impl Problem for Trajectory {
 
     fn retract(&self, x: &Point, dx: &[f64], step: f64, out: &mut Point) {
         let model = &self.program.system.model;
-        let mut increment = vec![0.0; model.nv];
         for (t, node) in self.program.nodes.iter().enumerate() {
             match node.var {
                 None => out.nodes[t].copy_from_slice(&x.nodes[t]),
                 Some(first) => {
-                    for (i, d) in increment.iter_mut().enumerate() {
-                        *d = step * dx[first + i];
-                    }
-                    model.integrate_into(&x.nodes[t], &increment, &mut out.nodes[t]);
+                    let dx = &dx[first..first + model.nv];
+                    model.integrate_scaled_into(&x.nodes[t], dx, step, &mut out.nodes[t]);
                 }
             }
         }

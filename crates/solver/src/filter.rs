@@ -8,8 +8,11 @@ const ETA_PHI: f64 = 1e-8;
 const S_THETA: f64 = 1.1;
 const S_PHI: f64 = 2.3;
 
+/// Entries that fit without another allocation: more than a solve of the default length can add.
+const CAPACITY: usize = 256;
+
 /// Filter of one barrier problem.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Filter {
     entries: Vec<(f64, f64)>,
     theta_max: f64,
@@ -39,6 +42,15 @@ pub enum Verdict {
 }
 
 impl Filter {
+    /// No entries, and no limits before the first [`Filter::reset`].
+    pub fn new() -> Self {
+        Self {
+            entries: Vec::with_capacity(CAPACITY),
+            theta_max: 0.0,
+            theta_min: 0.0,
+        }
+    }
+
     /// Empties the filter for a new barrier problem that starts with violation `theta`.
     pub fn reset(&mut self, theta: f64) {
         self.entries.clear();

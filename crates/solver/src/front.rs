@@ -45,7 +45,7 @@ pub struct Fronts {
     /// Schur complement of the current and of the next front.
     schur: [Vec<f64>; 2],
     scratch: MemBuffer,
-    local: std::cell::RefCell<Vec<f64>>,
+    local: Vec<f64>,
 }
 
 /// The front under assembly.
@@ -104,7 +104,7 @@ impl Fronts {
             panels,
             schur: [vec![0.0; n_schur * n_schur], vec![0.0; n_schur * n_schur]],
             scratch,
-            local: std::cell::RefCell::new(vec![0.0; n_front]),
+            local: vec![0.0; n_front],
         }
     }
 
@@ -151,8 +151,8 @@ impl Fronts {
     }
 
     /// Solves in place with the last factorisation; `rhs` over all variables.
-    pub fn solve(&self, rhs: &mut [f64]) {
-        let mut local = self.local.borrow_mut();
+    pub fn solve(&mut self, rhs: &mut [f64]) {
+        let local = &mut self.local;
         for (symbolic, panel) in self.symbolic.iter().zip(&self.panels) {
             let (n, m) = (symbolic.vars.len(), symbolic.n_eliminated);
             let b = &mut local[..n];

@@ -10,7 +10,7 @@
 //! when the inertia of the system is right, factorised front by front, and refined to remove δ.
 
 use crate::front::{Fronts, NotPositiveDefinite, dot, gram};
-use crate::{ElementData, Structure};
+use crate::{BlockStructure, ElementData, Structure};
 
 /// Blocks with at least this many Jacobian entries go through the dense kernel.
 const DENSE_BLOCK: usize = 600;
@@ -26,6 +26,9 @@ pub struct Kkt {
     row_scratch: Vec<f64>,
     dx_correction: Vec<f64>,
     dy_correction: Vec<f64>,
+    /// What the refinement has not removed yet.
+    left_x: Vec<f64>,
+    left_y: Vec<f64>,
     local: Vec<f64>,
     local_out: Vec<f64>,
 }
@@ -67,6 +70,8 @@ impl Kkt {
             row_scratch: vec![0.0; n_rows],
             dx_correction: vec![0.0; structure.n_vars],
             dy_correction: vec![0.0; n_rows],
+            left_x: vec![0.0; structure.n_vars],
+            left_y: vec![0.0; n_rows],
             local: vec![0.0; n_local],
             local_out: vec![0.0; n_local],
         }
@@ -175,10 +180,10 @@ impl Kkt {
     ) -> f64 {
         dx.fill(0.0);
         dy.fill(0.0);
-        let mut left_x = residual_x.to_vec();
-        let mut left_y = residual_y.to_vec();
+        self.left_x.copy_from_slice(residual_x);
+        self.left_y.copy_from_slice(residual_y);
         for round in 0..=refinements {
-            self.solve_regularised(structure, data, diagonals, &left_x, &left_y);
+            self.solve_regularised(structure, data, diagonals);
             for (a, b) in dx.iter_mut().zip(&self.dx_correction) {
                 *a += b;
             }
@@ -188,29 +193,27 @@ impl Kkt {
             if round == refinements {
                 break;
             }
-            left_x.copy_from_slice(residual_x);
-            left_y.copy_from_slice(residual_y);
-            self.multiply_add(structure, data, diagonals, dx, dy, &mut left_x, &mut left_y);
+            self.left_x.copy_from_slice(residual_x);
+            self.left_y.copy_from_slice(residual_y);
+            self.add_product(structure, data, diagonals, dx, dy);
         }
-        left_y.iter().fold(0.0, |m: f64, v| m.max(v.abs()))
+        self.left_y.iter().fold(0.0, |m: f64, v| m.max(v.abs()))
     }
 
-    /// One solve with the factorised, regularised system into the correction buffers.
+    /// One solve of what is left with the factorised, regularised system into the correction buffers.
     fn solve_regularised(
         &mut self,
         structure: &Structure,
         data: &[ElementData],
         diagonals: Diagonals<'_>,
-        residual_x: &[f64],
-        residual_y: &[f64],
     ) {
         let weighted = &mut self.row_scratch;
-        for ((w, r), d) in weighted.iter_mut().zip(residual_y).zip(diagonals.rows) {
+        for ((w, r), d) in weighted.iter_mut().zip(&self.left_y).zip(diagonals.rows) {
             *w = r / (d + diagonals.delta);
         }
         self.dx_correction
             .iter_mut()
-            .zip(residual_x)
+            .zip(&self.left_x)
             .for_each(|(a, r)| *a = -r);
         transpose_multiply(
             structure,
@@ -221,7 +224,7 @@ impl Kkt {
             -1.0,
         );
         self.fronts.solve(&mut self.dx_correction);
-        self.dy_correction.copy_from_slice(residual_y);
+        self.dy_correction.copy_from_slice(&self.left_y);
         jacobian_multiply(
             structure,
             data,
@@ -234,20 +237,17 @@ impl Kkt {
         }
     }
 
-    /// Adds the (unregularised) system's matrix times (dx, dy) to (out_x, out_y).
-    #[allow(clippy::too_many_arguments)] // as for `solve`
-    fn multiply_add(
+    /// Adds the (unregularised) system's matrix times (dx, dy) to what is left.
+    fn add_product(
         &mut self,
         structure: &Structure,
         data: &[ElementData],
         diagonals: Diagonals<'_>,
         dx: &[f64],
         dy: &[f64],
-        out_x: &mut [f64],
-        out_y: &mut [f64],
     ) {
-        for (e, (element, data)) in structure.elements.iter().zip(data).enumerate() {
-            let _ = e;
+        let (out_x, out_y) = (&mut self.left_x, &mut self.left_y);
+        for (element, data) in structure.elements.iter().zip(data) {
             let n = element.vars.len();
             let (x, out) = (&mut self.local[..n], &mut self.local_out[..n]);
             for (a, &v) in x.iter_mut().zip(&element.vars) {
@@ -282,6 +282,11 @@ fn symmetric_multiply(h: &[f64], n: usize, x: &[f64], out: &mut [f64]) {
     }
 }
 
+/// The columns of a block; none of a block without rows.
+fn columns<'a>(jacobian: &'a [f64], block: &BlockStructure) -> std::slice::ChunksExact<'a, f64> {
+    jacobian.chunks_exact(block.n_rows.max(1))
+}
+
 /// `out += sign · Jᵀ y`.
 pub(crate) fn transpose_multiply(
     structure: &Structure,
@@ -295,7 +300,7 @@ pub(crate) fn transpose_multiply(
         for (block, jacobian) in element.blocks.iter().zip(&data.jacobians) {
             let rows =
                 first_row[e] + block.first_row..first_row[e] + block.first_row + block.n_rows;
-            for (column, &c) in jacobian.chunks_exact(block.n_rows).zip(&block.cols) {
+            for (column, &c) in columns(jacobian, block).zip(&block.cols) {
                 out[element.vars[c]] += sign * dot(column, &y[rows.clone()]);
             }
         }
@@ -314,7 +319,7 @@ pub(crate) fn jacobian_multiply(
         for (block, jacobian) in element.blocks.iter().zip(&data.jacobians) {
             let first = first_row[e] + block.first_row;
             let out = &mut out[first..first + block.n_rows];
-            for (column, &c) in jacobian.chunks_exact(block.n_rows).zip(&block.cols) {
+            for (column, &c) in columns(jacobian, block).zip(&block.cols) {
                 let xc = x[element.vars[c]];
                 for (o, j) in out.iter_mut().zip(column) {
                     *o += j * xc;

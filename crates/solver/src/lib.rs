@@ -23,7 +23,7 @@ mod problem;
 mod report;
 
 pub use interior_point::InteriorPoint;
-pub use kkt::Kkt;
+pub use kkt::{Diagonals, Kkt};
 pub use options::Options;
 pub use problem::{BlockStructure, ElementData, ElementStructure, Problem, Structure};
 pub use report::{Iteration, Report, Status, Timing};

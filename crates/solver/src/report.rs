@@ -18,7 +18,7 @@ pub enum Status {
 }
 
 /// One line of the iteration log.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Iteration {
     /// Number of the iteration.
     pub number: usize,

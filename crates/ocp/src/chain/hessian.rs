@@ -1,5 +1,6 @@
 //! Second step of the chain rule: gradient of the costs and Hessian of the Lagrangian over the node variables and durations.
 
+use super::vectors::Vectors;
 use super::{Chain, Layout, Motion};
 use crate::difference::Difference;
 use nalgebra::DMatrix;
@@ -24,36 +25,43 @@ impl Chain {
             dt_next,
             steps,
             steps_next,
-        } = self.motion.clone();
+        } = &self.motion;
+        let (dt, dt_next, steps, steps_next) = (*dt, *dt_next, *steps, *steps_next);
         let nv = v.len();
-        let (da, ga) = (self.da.clone(), self.by_a_gradient.clone());
-        let gv: Vec<f64> = (0..nv)
-            .map(|i| self.by_v_gradient[i] - ga[i] / dt)
-            .collect();
-        let gp: Vec<f64> = ga.iter().map(|g| g / dt).collect();
+        let (da, ga) = (&self.da, &self.by_a_gradient);
+        let Vectors {
+            gv,
+            gp,
+            cv,
+            cp,
+            chained,
+            ..
+        } = &mut self.vectors;
+        for i in 0..nv {
+            gp[i] = ga[i] / dt;
+            gv[i] = self.by_v_gradient[i] - gp[i];
+            cp[i] = self.cost_a[i] / dt;
+            cv[i] = self.cost_v[i] - cp[i];
+        }
 
         // Cost gradient.
-        let cv: Vec<f64> = (0..nv)
-            .map(|i| self.cost_v[i] - self.cost_a[i] / dt)
-            .collect();
-        let cp: Vec<f64> = self.cost_a.iter().map(|c| c / dt).collect();
         let mut add_vector = |first: Option<usize>,
                               difference: Option<&Difference>,
                               x: &[f64],
                               by_b: bool,
                               s: f64| {
             if let (Some(first), Some(difference)) = (first, difference) {
-                let mut chained = x.to_vec();
-                difference.chain_vector(&mut chained, by_b);
+                chained.copy_from_slice(x);
+                difference.chain_vector(chained, by_b);
                 for i in 0..nv {
                     gradient[first + i] += s * chained[i];
                 }
             }
         };
-        add_vector(layout.a, here, &cv, false, 1.0 / dt);
-        add_vector(layout.b, here, &cv, true, 1.0 / dt);
-        add_vector(layout.b, next, &cp, false, 1.0 / dt_next);
-        add_vector(layout.c, next, &cp, true, 1.0 / dt_next);
+        add_vector(layout.a, here, cv, false, 1.0 / dt);
+        add_vector(layout.b, here, cv, true, 1.0 / dt);
+        add_vector(layout.b, next, cp, false, 1.0 / dt_next);
+        add_vector(layout.c, next, cp, true, 1.0 / dt_next);
         if let Some(time) = layout.time {
             let by_dt: f64 = (0..nv).map(|i| -cv[i] * v[i] - self.cost_a[i] * a[i]).sum();
             gradient[time] += by_dt / (dt * steps);
@@ -88,7 +96,8 @@ impl Chain {
                 here.chain_columns(work, false);
                 *work /= dt;
                 put(first_a, first_a, work, 1.0);
-                put(first_a, first_a, &work.transpose(), 1.0);
+                work.transpose_mut();
+                put(first_a, first_a, work, 1.0);
                 work.copy_from(vv);
                 here.chain_columns(work, false);
                 *work /= dt;
@@ -155,7 +164,8 @@ impl Chain {
                     next.chain_rows(qv, false);
                     *qv /= dt_next;
                     put(first_b, first_b, qv, 1.0);
-                    put(first_b, first_b, &qv.transpose(), 1.0);
+                    qv.transpose_mut();
+                    put(first_b, first_b, qv, 1.0);
                     if let Some(first_c) = layout.c {
                         next.chain_rows(work, true);
                         put(first_c, first_b, work, 1.0 / dt_next);
@@ -183,20 +193,24 @@ impl Chain {
         // Curvature of the differences.
         if let Some(here) = here {
             let firsts = [layout.a, layout.b];
-            let weights: Vec<f64> = gv.iter().map(|g| g / dt).collect();
-            here.curvature(&weights, |br, i, bc, j, value| {
+            for (w, g) in chained.iter_mut().zip(&*gv) {
+                *w = g / dt;
+            }
+            here.curvature(chained, |br, i, bc, j, value| {
                 add_curvature(hessian, n, firsts, (br, i), (bc, j), value);
             });
         }
         if let Some(next) = next {
             let firsts = [layout.b, layout.c];
-            let weights: Vec<f64> = gp.iter().map(|g| g / dt_next).collect();
-            next.curvature(&weights, |br, i, bc, j, value| {
+            for (w, g) in chained.iter_mut().zip(&*gp) {
+                *w = g / dt_next;
+            }
+            next.curvature(chained, |br, i, bc, j, value| {
                 add_curvature(hessian, n, firsts, (br, i), (bc, j), value);
             });
         }
         let Some(time) = layout.time else { return };
-        self.time_blocks(here, next, layout, time, (&gv, &gp, &ga), hessian, n);
+        self.time_blocks(here, next, layout, time, hessian, n);
     }
 
     /// Rows and columns of the two durations.
@@ -208,7 +222,6 @@ impl Chain {
         next: Option<&Difference>,
         layout: &Layout,
         time: usize,
-        (gv, gp, ga): (&[f64], &[f64], &[f64]),
         hessian: &mut [f64],
         n: usize,
     ) {
@@ -222,14 +235,29 @@ impl Chain {
             steps_next,
         } = &self.motion;
         let nv = v.len();
-        let da = &self.da;
+        let (da, ga) = (&self.da, &self.by_a_gradient);
+        let Vectors {
+            gv,
+            gp,
+            vd,
+            pd,
+            q_dt,
+            v_dt,
+            p_dt,
+            q_next,
+            v_next: v_by_next,
+            p_next: p_by_next,
+            chained,
+            ..
+        } = &mut self.vectors;
         // Hessian times −v/dt (self.vv already holds + da/dt²), by rows q, v, v⁺; and the direct terms of dt.
-        let vd: Vec<f64> = v.iter().map(|x| -x / dt).collect();
-        let pd: Vec<f64> = v_next.iter().map(|x| -x / dt_next).collect();
-        let mut q_dt = vec![0.0; nv];
-        let mut v_dt = vec![0.0; nv];
-        let mut p_dt = vec![0.0; nv];
-        let mut q_next = vec![0.0; nv];
+        for i in 0..nv {
+            vd[i] = -v[i] / dt;
+            pd[i] = -v_next[i] / dt_next;
+        }
+        for sum in [&mut *q_dt, v_dt, p_dt, q_next] {
+            sum.fill(0.0);
+        }
         for k in 0..nv {
             for i in 0..nv {
                 let (qv, qa) = (self.qv[(i, k)] - self.qa[(i, k)] / dt, self.qa[(i, k)]);
@@ -238,8 +266,6 @@ impl Chain {
                 v_dt[i] += self.vv[(i, k)] * vd[k];
             }
         }
-        let mut v_next_cross = vec![0.0; nv];
-        let mut p_next_cross = vec![0.0; nv];
         let (mut dt_dt, mut dt_next_dt, mut next_next) = (0.0, 0.0, 0.0);
         for i in 0..nv {
             let direct = da[i] * a[i] / (dt * dt) + ga[i] / (dt * dt);
@@ -249,82 +275,48 @@ impl Chain {
             dt_dt += vd[i] * v_dt[i] + 2.0 * gv[i] * v[i] / (dt * dt);
             v_dt[i] += direct - gv[i] / dt;
             p_dt[i] += -direct - da[i] / (dt * dt) * vd[i];
-            v_next_cross[i] = -da[i] / (dt * dt) * pd[i];
-            p_next_cross[i] = da[i] / (dt * dt) * pd[i] - gp[i] / dt_next;
+            v_by_next[i] = -da[i] / (dt * dt) * pd[i];
+            p_by_next[i] = da[i] / (dt * dt) * pd[i] - gp[i] / dt_next;
             dt_next_dt += p_dt[i] * pd[i];
             next_next +=
                 da[i] / (dt * dt) * pd[i] * pd[i] + 2.0 * gp[i] * v_next[i] / (dt_next * dt_next);
         }
-        let mut add = |column: usize, first: Option<usize>, x: &[f64], s: f64| {
-            if let Some(first) = first {
-                for i in 0..nv {
-                    hessian[(first + i) * n + column] += s * x[i];
-                }
+        let mut add = |column: usize,
+                       first: Option<usize>,
+                       by: Option<(&Difference, bool)>,
+                       x: &[f64],
+                       s: f64| {
+            let Some(first) = first else { return };
+            chained.copy_from_slice(x);
+            if let Some((difference, by_b)) = by {
+                difference.chain_vector(chained, by_b);
+            }
+            for i in 0..nv {
+                hessian[(first + i) * n + column] += s * chained[i];
             }
         };
-        let chained = |difference: &Difference, x: &[f64], by_b: bool| {
-            let mut out = x.to_vec();
-            difference.chain_vector(&mut out, by_b);
-            out
-        };
-        add(time, layout.a, &q_dt, 1.0 / steps);
+        add(time, layout.a, None, q_dt, 1.0 / steps);
         if let Some(here) = here {
-            add(
-                time,
-                layout.a,
-                &chained(here, &v_dt, false),
-                1.0 / (dt * steps),
-            );
-            add(
-                time,
-                layout.b,
-                &chained(here, &v_dt, true),
-                1.0 / (dt * steps),
-            );
+            let s = 1.0 / (dt * steps);
+            add(time, layout.a, Some((here, false)), v_dt, s);
+            add(time, layout.b, Some((here, true)), v_dt, s);
         }
         if let Some(next) = next {
-            add(
-                time,
-                layout.b,
-                &chained(next, &p_dt, false),
-                1.0 / (dt_next * steps),
-            );
-            add(
-                time,
-                layout.c,
-                &chained(next, &p_dt, true),
-                1.0 / (dt_next * steps),
-            );
+            let s = 1.0 / (dt_next * steps);
+            add(time, layout.b, Some((next, false)), p_dt, s);
+            add(time, layout.c, Some((next, true)), p_dt, s);
         }
         if let Some(time_next) = layout.time_next {
-            add(time_next, layout.a, &q_next, 1.0 / steps_next);
+            add(time_next, layout.a, None, q_next, 1.0 / steps_next);
             if let Some(here) = here {
-                add(
-                    time_next,
-                    layout.a,
-                    &chained(here, &v_next_cross, false),
-                    1.0 / (dt * steps_next),
-                );
-                add(
-                    time_next,
-                    layout.b,
-                    &chained(here, &v_next_cross, true),
-                    1.0 / (dt * steps_next),
-                );
+                let s = 1.0 / (dt * steps_next);
+                add(time_next, layout.a, Some((here, false)), v_by_next, s);
+                add(time_next, layout.b, Some((here, true)), v_by_next, s);
             }
             if let Some(next) = next {
-                add(
-                    time_next,
-                    layout.b,
-                    &chained(next, &p_next_cross, false),
-                    1.0 / (dt_next * steps_next),
-                );
-                add(
-                    time_next,
-                    layout.c,
-                    &chained(next, &p_next_cross, true),
-                    1.0 / (dt_next * steps_next),
-                );
+                let s = 1.0 / (dt_next * steps_next);
+                add(time_next, layout.b, Some((next, false)), p_by_next, s);
+                add(time_next, layout.c, Some((next, true)), p_by_next, s);
             }
             let cross = dt_next_dt / (steps * steps_next);
             if time_next == time {

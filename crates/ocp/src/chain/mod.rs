@@ -8,11 +8,13 @@
 //! Hessian of the acceleration cost, `gv`, `ga` gradients of the Lagrangian by v and a.
 
 mod hessian;
+mod vectors;
 
 use crate::difference::Difference;
 use crate::program::Interval;
-use multibody::{RneaDerivatives, RneaHessian};
+use multibody::RneaHessian;
 use nalgebra::DMatrix;
+use vectors::Vectors;
 
 /// Velocity, next velocity, acceleration and step lengths of an interval.
 #[derive(Debug, Clone)]
@@ -81,6 +83,7 @@ pub struct Chain {
     cost_a: Vec<f64>,
     da: Vec<f64>,
     work: [DMatrix<f64>; 3],
+    vectors: Vectors,
     dynamics: bool,
 }
 
@@ -113,20 +116,21 @@ impl Chain {
             cost_a: v(),
             da: v(),
             work: [m(), m(), m()],
+            vectors: Vectors::new(nv),
             dynamics: false,
         }
     }
 
-    /// Takes the derivatives of the inverse dynamics.
-    pub fn start(&mut self, first: &RneaDerivatives, second: &RneaHessian) {
+    /// Takes the first and second derivatives of the inverse dynamics.
+    pub fn start(&mut self, dynamics: &RneaHessian) {
         self.dynamics = true;
-        self.by_q.copy_from(first.dtau_dq());
-        self.by_v.copy_from(first.dtau_dv());
-        self.mass.copy_from(first.dtau_da());
-        self.qq.copy_from(second.hessian_qq());
-        self.qv.copy_from(second.hessian_qv());
-        self.vv.copy_from(second.hessian_vv());
-        self.qa.copy_from(second.hessian_qa());
+        self.by_q.copy_from(dynamics.dtau_dq());
+        self.by_v.copy_from(dynamics.dtau_dv());
+        self.mass.copy_from(dynamics.dtau_da());
+        self.qq.copy_from(dynamics.hessian_qq());
+        self.qv.copy_from(dynamics.hessian_qv());
+        self.vv.copy_from(dynamics.hessian_vv());
+        self.qa.copy_from(dynamics.hessian_qa());
     }
 
     /// No equations of motion: only costs of v.

@@ -107,14 +107,7 @@ pub fn hessian(
         &h,
         &mut by_increments,
     );
-    let mut moved = vec![Vector6::zeros(); relative.columns.len()];
-    frame.virtual_power_hessian(
-        relative,
-        &dual,
-        speeds,
-        |l, by_wrench| moved[l] = by_wrench,
-        &mut by_increments,
-    );
+    frame.virtual_power_hessian(relative, &dual, speeds, |_, _| (), &mut by_increments);
     frame.wrench_jacobian(relative, &dual, |k, l, value| mixed(l, k, value));
     // Both at once.
     let (d_lin, d_ang) = parts(&dual);
@@ -122,10 +115,12 @@ pub fn hessian(
         let omega = parts(&relative.columns[l]).1;
         let (lin, ang) = (d_lin.cross(&omega), d_ang.cross(&omega));
         let turned = Vector6::new(lin.x, lin.y, lin.z, ang.x, ang.y, ang.z);
-        for k in 0..relative.columns.len() {
-            mixed(l, k, turned.dot(&relative.columns[k]));
-            let value = turned.dot(&moved[k]);
-            by_increments(k.max(l), k.min(l), if k == l { 2.0 * value } else { value });
+        for (k, column) in relative.columns.iter().enumerate() {
+            mixed(l, k, turned.dot(column));
         }
+        frame.virtual_power_gradient(relative, speeds, |k, moved| {
+            let value = turned.dot(&moved);
+            by_increments(k.max(l), k.min(l), if k == l { 2.0 * value } else { value });
+        });
     }
 }

@@ -2,12 +2,15 @@
 
 use multibody::{Model, Root};
 use nalgebra::{Matrix3, Vector3, Vector6};
+use ocp::collision::CollisionModel;
+use ocp::{Grid, Phase, Point, Preset, Program, Settings, System, Trajectory};
 use scene::{
     Interface, Object, Objective, OptimiserOptions, Owner, PlacedShape, Robot, Role, Scene,
     SearchOptions, Shape, StaticBody,
 };
-use spatial::Pose;
+use spatial::{Pose, Random};
 use std::collections::BTreeSet;
+use symbolic::ContactType::{BilateralPatch, UnilateralPatch, UnilateralPoint};
 use symbolic::{Contact, ContactState, ContactType, InterfaceId};
 
 fn interface(
@@ -198,4 +201,81 @@ pub fn state(pairs: &[(usize, usize, ContactType)]) -> ContactState {
         })
         .collect();
     ContactState { contacts }
+}
+
+/// A program with every kind of contact, at a random point around which everything moves.
+pub fn program(seed: u64, grid: Grid, preset: Preset) -> (Trajectory, Point) {
+    let scene = random_scene(seed);
+    let system = System::new(&scene).expect("a model");
+    let collisions = CollisionModel::new(&scene, &system);
+    let phase = |steps, pairs: &[_]| Phase {
+        state: state(pairs),
+        steps,
+    };
+    let phases = vec![
+        phase(3, &[(0, 5, UnilateralPatch), (3, 6, UnilateralPatch)]),
+        phase(
+            2,
+            &[
+                (0, 5, UnilateralPatch),
+                (1, 4, BilateralPatch),
+                (2, 4, UnilateralPoint),
+            ],
+        ),
+        phase(
+            3,
+            &[
+                (1, 4, BilateralPatch),
+                (2, 6, UnilateralPoint),
+                (3, 6, UnilateralPatch),
+            ],
+        ),
+    ];
+    let settings = Settings::new(preset, &scene.optimiser);
+    let mut random = Random::new(seed + 5);
+    let n: usize = match grid {
+        Grid::Motion | Grid::Path => 8,
+        Grid::Keyframes | Grid::OpenKeyframes => 3,
+    };
+    let start = system.start(&scene);
+    let mut nodes = vec![start.clone()];
+    for _ in 0..n {
+        let step: Vec<f64> = (0..system.model.nv)
+            .map(|_| random.uniform(-0.15, 0.15))
+            .collect();
+        nodes.push(system.model.integrate(&nodes[nodes.len() - 1], &step));
+    }
+    if grid == Grid::Motion {
+        nodes[1].copy_from_slice(&start);
+        let rest = nodes[n - 1].clone();
+        nodes[n].copy_from_slice(&rest);
+    }
+    let program = Program::new(
+        &scene,
+        &system,
+        &collisions,
+        &phases,
+        &settings,
+        grid,
+        &nodes,
+        &std::collections::BTreeMap::default(),
+    );
+    let wrenches = program
+        .intervals
+        .iter()
+        .map(|i| (0..i.n_wrench).map(|_| random.uniform(-1.0, 1.0)).collect())
+        .collect();
+    let durations = if grid == Grid::Motion {
+        vec![0.9, 0.6, 1.2]
+    } else {
+        vec![1.0; 3]
+    };
+    (
+        Trajectory::new(program),
+        Point {
+            nodes,
+            wrenches,
+            durations,
+        },
+    )
 }
