@@ -8,7 +8,7 @@ The fit of a link minimises, over the parameters of its shapes, the 8-norm of th
 the union of the shapes (scale UNDER), of points on the mesh's convex hull outside it (scale HULL), and of points on
 the shapes outside the mesh (scale OVER). Left links are fitted; right ones are their mirror images in y.
 
-Needs: pip install example-robot-data trimesh numpy scipy. Takes about eight minutes. `python check_g1.py` judges the result.
+Needs: pip install example-robot-data trimesh numpy scipy. Takes about ten minutes. `python check_g1.py` judges the result.
 Options: link names restrict the fit to them and print their numbers, without writing.
 """
 import site
@@ -29,8 +29,9 @@ PITCH = 0.004                  # m: voxels of the distance field
 SOLE_Z = -0.0354               # m: the sole plane in left_ankle_roll_link, measured (see docs/robots.md)
 PALM_Y = -0.0125               # m: the palm plane in left_rubber_hand, measured
 
-# Shapes of each link: kind and material. box: axis-aligned in the link's frame; pbox: pitched about y; rbox: pitched and rolled; obox: any orientation; cap: capsule; ball: sphere;
-# ybox, yball: symmetric in y; wcap: symmetric, its axis along y; sole, palm: a box with one face given.
+# Shapes of each link: kind and material. box: axis-aligned in the link's frame; pbox: pitched about y; rbox: pitched and
+# rolled; obox: any orientation; cap: capsule; ball: sphere; ybox, yball: symmetric in y; wcap: symmetric, its axis along y;
+# sole, palm: a box with one face given.
 LINKS = {
     "pelvis": [("box", "graphite")],
     "pelvis_contour_link": [("wcap", "shell")],
@@ -45,7 +46,7 @@ LINKS = {
     "torso_link": [("ybox", "shell"), ("ybox", "shell"), ("ybox", "shell")],
     "head_link": [("ybox", "graphite"), ("ybox", "graphite"), ("ybox", "visor"), ("yball", "graphite")],
     "left_shoulder_pitch_link": [("ball", "joint")],
-    "left_shoulder_roll_link": [("pbox", "shell")],
+    "left_shoulder_roll_link": [("ball", "shell"), ("ball", "shell"), ("ball", "shell")],   # a cup and the sides of a fork
     "left_shoulder_yaw_link": [("pbox", "shell")],
     "left_elbow_link": [("pbox", "shell"), ("pbox", "shell")],
     "left_wrist_roll_link": [("ball", "joint")],
@@ -265,15 +266,16 @@ def elements(name, s):
     num = lambda v: " ".join(f"{round(x, 5) + 0.0:.5f}".rstrip("0").rstrip(".") for x in np.atleast_1d(v))
     rpy = lambda R: num(Rotation.from_matrix(R).as_euler("xyz"))
     if s[0] == "box":
-        return [(name, num(s[1]), rpy(s[2]), "box", {"size": num(2 * s[3])})]
+        return [(name, num(s[1]), rpy(s[2]), "box", {"size": num(2 * np.round(s[3], 5))})]   # so that given faces stay in place
     if np.array_equal(s[1], s[2]):
         return [(name, num(s[1]), "0 0 0", "sphere", {"radius": num(s[3])})]
-    axis = s[2] - s[1]
+    low, high = sorted(s[1:3], key=lambda p: p[2])         # upwards, so that the angles are small
+    axis = high - low
     length = np.linalg.norm(axis)
     R, r = Rotation.align_vectors([axis / length], [[0, 0, 1]])[0].as_matrix(), num(s[3])
-    return [(name + "_cyl", num((s[1] + s[2]) / 2), rpy(R), "cylinder", {"radius": r, "length": num(length)}),
-            (name + "_end0", num(s[1]), "0 0 0", "sphere", {"radius": r}),
-            (name + "_end1", num(s[2]), "0 0 0", "sphere", {"radius": r})]
+    return [(name + "_cyl", num((low + high) / 2), rpy(R), "cylinder", {"radius": r, "length": num(length)}),
+            (name + "_end0", num(low), "0 0 0", "sphere", {"radius": r}),
+            (name + "_end1", num(high), "0 0 0", "sphere", {"radius": r})]
 
 
 def write(path, ref, fitted):
