@@ -13,11 +13,20 @@ pub(crate) struct Arguments {
 
 const EXIT_CODES: &str = "Exit codes: 0 done, 1 no plan or plan rejected, 2 bad usage or input.";
 
+const BENCH_EXIT_CODES: &str =
+    "Exit codes: 0 all outcomes are as expected, 1 some are not, 2 bad usage or input.";
+
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Find contacts and motion for a scene, and write plan.json
     #[command(after_help = EXIT_CODES)]
     Plan(PlanOptions),
+    /// Optimise one given contact sequence, and write plan.json and report.json
+    #[command(after_help = EXIT_CODES)]
+    Solve(SolveOptions),
+    /// Solve all sequence files of a folder and compare with what they expect
+    #[command(after_help = BENCH_EXIT_CODES)]
+    Bench(BenchOptions),
     /// Judge a plan file: is every constraint satisfied
     #[command(after_help = EXIT_CODES)]
     Check(CheckOptions),
@@ -38,6 +47,8 @@ impl Command {
     pub(crate) fn for_machines(&self) -> bool {
         match self {
             Self::Plan(options) => options.json,
+            Self::Solve(options) => options.json,
+            Self::Bench(options) => options.json,
             Self::Check(options) => options.json,
             Self::Scenes { .. } | Self::Symbols { .. } => false,
         }
@@ -71,6 +82,55 @@ pub(crate) struct PlanOptions {
     pub quiet: bool,
 }
 
+#[derive(Debug, Args)]
+pub(crate) struct SolveOptions {
+    /// Name of a built-in scene (see `locotamp scenes`), or path of a .toml file
+    pub scene: String,
+    /// The sequence file (docs/sequence-format.md)
+    #[arg(long, value_name = "FILE")]
+    pub sequence: PathBuf,
+    /// Folder for plan.json and report.json [default: a fresh one, runs/<date>-<time>-<scene>]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// End after this many seconds with the last iterate
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub time_limit: Option<f64>,
+    /// Which trajectory problem is solved
+    #[arg(long, value_enum, default_value_t = PresetName::Default)]
+    pub preset: PresetName,
+    /// Leave the joint torque limits out (to see what they change)
+    #[arg(long)]
+    pub no_torque_limits: bool,
+    /// One JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+    /// No progress
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct BenchOptions {
+    /// Folder with sequence files, searched with its subfolders
+    #[arg(value_name = "DIR", default_value = "scenes/sequences")]
+    pub folder: PathBuf,
+    /// Only sequences whose path below the folder contains this text
+    #[arg(long, value_name = "TEXT")]
+    pub filter: Option<String>,
+    /// End each sequence after this many seconds
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub time_limit: Option<f64>,
+    /// Which trajectory problem is solved
+    #[arg(long, value_enum, default_value_t = PresetName::Default)]
+    pub preset: PresetName,
+    /// One JSON list on standard output
+    #[arg(long)]
+    pub json: bool,
+    /// No progress
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
 /// The presets by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum PresetName {
@@ -78,6 +138,15 @@ pub(crate) enum PresetName {
     Default,
     /// The paper's problem to the letter, for comparisons
     Paper,
+}
+
+impl From<PresetName> for locotamp::Preset {
+    fn from(name: PresetName) -> Self {
+        match name {
+            PresetName::Default => Self::Default,
+            PresetName::Paper => Self::Paper,
+        }
+    }
 }
 
 #[derive(Debug, Args)]

@@ -58,6 +58,11 @@ impl Folder {
         self.path.join("plan.json")
     }
 
+    /// Where the report goes.
+    pub fn report(&self) -> PathBuf {
+        self.path.join("report.json")
+    }
+
     /// Removes the folder if this run made it and put nothing into it.
     pub fn remove_if_unused(&self) {
         if self.made {

@@ -1,13 +1,16 @@
-//! The command `locotamp`: plans a scene, judges a plan, lists what is built in.
+//! The command `locotamp`: plans a scene, solves given contact sequences, judges a plan, lists what is built in.
 //!
 //! The only place that prints and exits. Results go to standard output, progress and errors to standard error. Exit
 //! codes: 0 done, 1 no plan or plan rejected, 2 bad usage or input.
 
 mod arguments;
+mod bench_command;
+mod bench_table;
 mod check_command;
 mod failure;
 mod folder;
 mod interrupt;
+mod memory;
 mod output;
 mod plan_command;
 mod progress;
@@ -15,6 +18,7 @@ mod reasons;
 mod result_json;
 mod result_text;
 mod scene_commands;
+mod solve_command;
 
 use arguments::{Arguments, Command};
 use clap::Parser;
@@ -41,6 +45,8 @@ fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let done = match &arguments.command {
         Command::Plan(options) => plan_command::run(options),
+        Command::Solve(options) => solve_command::run(options),
+        Command::Bench(options) => bench_command::run(options),
         Command::Check(options) => check_command::run(options),
         Command::Scenes { name } => scene_commands::scenes(name.as_deref()),
         Command::Symbols { scene } => scene_commands::symbols(scene),

@@ -1,11 +1,11 @@
 //! `locotamp plan`: from a scene to a plan file and its summary.
 
-use crate::arguments::{PlanOptions, PresetName};
+use crate::arguments::PlanOptions;
 use crate::failure::Failure;
 use crate::folder::Folder;
 use crate::progress::Progress;
 use crate::{Exit, interrupt, output, result_json, result_text};
-use locotamp::{Found, Outcome, Preset, Request};
+use locotamp::{Found, Outcome, Request};
 use plan::{Plan, PlanError};
 use scene::Scene;
 use std::fmt;
@@ -32,6 +32,21 @@ pub(crate) struct Verdict {
 }
 
 impl Verdict {
+    /// Judges a plan.
+    pub fn of(plan: &Plan) -> Self {
+        let report = check::check(plan, &check::Options::accept());
+        let judged = report
+            .rows
+            .iter()
+            .filter(|row| row.status != check::Status::NotApplicable)
+            .count();
+        Self {
+            failed: report.failed().collect(),
+            judged,
+        }
+    }
+
+    /// True if nothing fails.
     pub fn ok(&self) -> bool {
         self.failed.is_empty()
     }
@@ -96,10 +111,7 @@ pub(crate) fn run(options: &PlanOptions) -> Result<Exit, Failure> {
 
 fn search(options: &PlanOptions, scene: &Scene) -> Result<Outcome, Failure> {
     let request = Request {
-        preset: match options.preset {
-            PresetName::Default => Preset::Default,
-            PresetName::Paper => Preset::Paper,
-        },
+        preset: options.preset.into(),
         seed: options.seed,
         time_limit: options.time_limit.unwrap_or(f64::INFINITY),
         ..Request::default()
@@ -125,6 +137,17 @@ fn finish(scene: &Scene, outcome: Outcome, path: &Path) -> Result<Finished, Fail
             verdict: None,
         });
     };
+    let verdict = judge(plan, path)?;
+    Ok(Finished {
+        scene,
+        outcome,
+        path: Some(path.into()),
+        verdict: Some(verdict),
+    })
+}
+
+/// Writes a plan, reads it back and has it judged.
+pub(crate) fn judge(plan: &Plan, path: &Path) -> Result<Verdict, Failure> {
     let written =
         plan.write(path)
             .and_then(|()| Plan::read(path))
@@ -138,20 +161,5 @@ fn finish(scene: &Scene, outcome: Outcome, path: &Path) -> Result<Finished, Fail
                     format_args!("no plan: the motion found is no valid plan file: {error}"),
                 ),
             })?;
-    let report = check::check(&written, &check::Options::accept());
-    let judged = report
-        .rows
-        .iter()
-        .filter(|row| row.status != check::Status::NotApplicable)
-        .count();
-    let verdict = Verdict {
-        failed: report.failed().collect(),
-        judged,
-    };
-    Ok(Finished {
-        scene,
-        outcome,
-        path: Some(path.into()),
-        verdict: Some(verdict),
-    })
+    Ok(Verdict::of(&written))
 }

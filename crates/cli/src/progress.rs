@@ -20,6 +20,8 @@ enum Sink {
 pub(crate) struct Progress {
     sink: Sink,
     begin: Instant,
+    /// True if the contact sequence is given, so that none are counted.
+    given: bool,
     sequences: usize,
     impossible: usize,
     optimised: usize,
@@ -39,10 +41,19 @@ impl Progress {
         Self {
             sink,
             begin: Instant::now(),
+            given: false,
             sequences: 0,
             impossible: 0,
             optimised: 0,
             doing: "reading".into(),
+        }
+    }
+
+    /// Progress on one given sequence.
+    pub fn of_one_sequence(quiet: bool) -> Self {
+        Self {
+            given: true,
+            ..Self::new(quiet)
         }
     }
 
@@ -78,6 +89,15 @@ impl Progress {
         }
     }
 
+    /// What messages call the sequence.
+    fn title(&self, number: usize) -> String {
+        if self.given {
+            "the sequence".into()
+        } else {
+            format!("sequence {number}")
+        }
+    }
+
     /// Updates the counts; returns what deserves a line of its own.
     fn note(&mut self, event: &Event) -> Option<String> {
         match event {
@@ -104,7 +124,8 @@ impl Progress {
                 if *possible {
                     self.doing = "optimising".into();
                     return Some(format!(
-                        "sequence {number}: keyframes found, optimising the motion"
+                        "{}: keyframes found, optimising the motion",
+                        self.title(*number)
                     ));
                 }
                 self.doing = "searching contact sequences".into();
@@ -116,7 +137,8 @@ impl Progress {
                 objective,
             } => {
                 self.doing = format!(
-                    "sequence {number}, iteration {iteration}: violation {violation:.1e}, cost {objective:.3}"
+                    "{}, iteration {iteration}: violation {violation:.1e}, cost {objective:.3}",
+                    self.title(*number)
                 );
             }
             Event::Optimised {
@@ -126,10 +148,11 @@ impl Progress {
                 reason,
             } => {
                 self.optimised += 1;
+                let title = self.title(*number);
                 return Some(match (feasible, reason) {
-                    (true, _) => format!("sequence {number}: feasible, cost {cost:.3}"),
-                    (false, Some(reason)) => format!("sequence {number}: not feasible, {reason}"),
-                    (false, None) => format!("sequence {number}: not feasible"),
+                    (true, _) => format!("{title}: feasible, cost {cost:.3}"),
+                    (false, Some(reason)) => format!("{title}: not feasible, {reason}"),
+                    (false, None) => format!("{title}: not feasible"),
                 });
             }
         }
@@ -145,6 +168,9 @@ impl Progress {
             doing,
             ..
         } = self;
+        if self.given {
+            return doing.clone();
+        }
         format!(
             "{sequences} sequences tried ({impossible} without keyframes, {optimised} optimised) | {doing}"
         )

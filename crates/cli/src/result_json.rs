@@ -29,7 +29,8 @@ pub(crate) fn write(finished: &Finished) -> Value {
     })
 }
 
-fn summary(summary: &Summary) -> Value {
+/// A motion in figures.
+pub(crate) fn summary(summary: &Summary) -> Value {
     let (ratio, joint, time) = &summary.torque;
     json!({
         "phases": summary.phases.iter().map(|phase| json!({

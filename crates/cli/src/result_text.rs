@@ -14,9 +14,7 @@ pub(crate) fn write(finished: &Finished) -> String {
     let outcome = &finished.outcome;
     let mut text = String::new();
     if let Some(found) = &outcome.best {
-        text += &heading(&finished.scene, outcome.feasible, &found.summary);
-        text += &phases(&found.summary);
-        text += &figures(&found.summary);
+        text += &motion(&finished.scene, outcome.feasible, &found.summary);
     } else {
         let _ = writeln!(text, "{}: no plan", finished.scene);
     }
@@ -37,6 +35,11 @@ pub(crate) fn write(finished: &Finished) -> String {
         text += &explanation(outcome);
     }
     text
+}
+
+/// Heading, phases and figures of a motion.
+pub(crate) fn motion(title: &str, feasible: bool, summary: &Summary) -> String {
+    heading(title, feasible, summary) + &phases(summary) + &figures(summary)
 }
 
 fn heading(scene: &str, feasible: bool, summary: &Summary) -> String {

@@ -147,7 +147,7 @@ pub fn plan(scene: &Scene, labels: &[String], motion: &mut Motion) -> Plan {
 }
 
 /// Largest violation of any row, in the row's own SI unit.
-fn largest_violation(motion: &Motion) -> f64 {
+pub(crate) fn largest_violation(motion: &Motion) -> f64 {
     let program = &motion.trajectory.program;
     let mut row = 0;
     let mut largest = 0.0_f64;

@@ -1,17 +1,20 @@
 //! Task and motion planning for humanoid loco-manipulation: from a scene to a plan.
 //!
 //! [`plan`] searches contact sequences ([`symbolic`]), rejects what keyframes show impossible, optimises the rest
-//! ([`ocp`]) and returns the best plan with a summary. Nothing here prints or exits: progress goes to the caller's
+//! ([`ocp`]) and returns the best plan with a summary. [`solve`] optimises one given sequence. Nothing here prints or exits: progress goes to the caller's
 //! observer, which can stop the search at any time and then gets the best so far.
 
 mod api;
 mod domain;
 mod export;
 mod search;
+mod solve;
 mod summary;
 
 pub use api::{Attempt, Error, Event, Found, Outcome, Reached, Request};
 pub use domain::{domain, graph};
 pub use ocp::Preset;
 pub use search::plan;
+pub use solve::{KeyframeReport, MotionReport, Solved, solve};
+pub use solver::{Status, Timing};
 pub use summary::{PhaseSummary, Summary};

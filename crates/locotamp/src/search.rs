@@ -301,7 +301,7 @@ fn goal_text(scene: &Scene) -> String {
 }
 
 /// Refuses a start in which bodies that do not touch overlap.
-fn check_start(scene: &Scene, planner: &Planner<'_>) -> Result<(), Error> {
+pub(crate) fn check_start(scene: &Scene, planner: &Planner<'_>) -> Result<(), Error> {
     let model = &planner.system.model;
     let mut kinematics = multibody::Kinematics::new(model);
     kinematics.update(model, &planner.system.start(scene));

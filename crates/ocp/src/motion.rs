@@ -8,7 +8,7 @@ use crate::program::{Grid, Phase, Program, RowLabel};
 use crate::settings::{Preset, Settings};
 use crate::system::System;
 use scene::Scene;
-use solver::{InteriorPoint, Iteration, Options, Problem, Report, Status};
+use solver::{InteriorPoint, Iteration, Options, Problem, Report, Status, Timing};
 
 /// Rounds of solving with more collision pairs or more clearance.
 const REPAIRS: usize = 4;
@@ -62,6 +62,8 @@ pub struct Motion {
     pub iterations: usize,
     /// Solver time of all rounds [s].
     pub seconds: f64,
+    /// The same, part by part.
+    pub timing: Timing,
     /// True if every row holds.
     pub feasible: bool,
     /// What is violated most, if anything is.
@@ -211,7 +213,7 @@ impl<'a> Planner<'a> {
         let mut extra = ExtraClearance::new();
         let mut program = self.program(phases, settings, Grid::Motion, &nodes, &extra);
         let mut point = guess::point(&program, self.scene, nodes);
-        let (mut iterations, mut seconds) = (0, 0.0);
+        let (mut iterations, mut seconds, mut timing) = (0, 0.0, Timing::default());
         for round in 0.. {
             let mut trajectory = Trajectory::new(program);
             let structure = trajectory.structure().clone();
@@ -232,6 +234,7 @@ impl<'a> Planner<'a> {
             );
             iterations += report.iterations;
             seconds += report.timing.total.as_secs_f64();
+            timing += report.timing;
             let solved = report.violation <= 10.0 * options.feasibility_tolerance;
             if solved && report.status != Status::Interrupted && round < REPAIRS {
                 let between = settings.preset == Preset::Default
@@ -254,6 +257,7 @@ impl<'a> Planner<'a> {
                 report,
                 iterations,
                 seconds,
+                timing,
                 feasible: solved,
                 worst,
             };

@@ -24,12 +24,10 @@ pub(crate) fn goal(draft: &Draft, file: &SceneFile) -> Result<Goal, SceneError> 
         Some(ObjectiveKindEntry::BaseHeight) => Objective::BaseHeight,
         Some(ObjectiveKindEntry::Time) | None => Objective::Time,
     };
-    let contacts = contacts(draft, entry)?;
-    let regions: Vec<RegionGoal> = entry
-        .iter()
-        .flat_map(|goal| &goal.region)
-        .map(|region| region_goal(draft, region))
-        .collect::<Result<_, _>>()?;
+    let (contacts, regions) = match entry {
+        Some(entry) => demands(draft, entry)?,
+        None => (vec![], vec![]),
+    };
     if contacts.is_empty() && regions.is_empty() && objective == Objective::Time {
         let (span, found) = match (&file.goal, &file.objective) {
             (Some(goal), _) => (goal.span(), "[goal] names neither a contact nor a region"),
@@ -48,9 +46,18 @@ pub(crate) fn goal(draft: &Draft, file: &SceneFile) -> Result<Goal, SceneError> 
     })
 }
 
-fn contacts(draft: &Draft, entry: Option<&GoalEntry>) -> Result<Vec<GoalContact>, SceneError> {
+/// Contacts and regions of a `[goal]`; it may be empty.
+pub(crate) fn demands(
+    draft: &Draft,
+    entry: &GoalEntry,
+) -> Result<(Vec<GoalContact>, Vec<RegionGoal>), SceneError> {
+    let regions = entry.region.iter().map(|r| region_goal(draft, r));
+    Ok((contacts(draft, entry)?, regions.collect::<Result<_, _>>()?))
+}
+
+fn contacts(draft: &Draft, entry: &GoalEntry) -> Result<Vec<GoalContact>, SceneError> {
     let mut contacts: Vec<GoalContact> = Vec::new();
-    for pair in entry.iter().flat_map(|goal| &goal.contacts) {
+    for pair in &entry.contacts {
         let contact = goal_contact(draft, pair)?;
         if let Some(other) = contacts
             .iter()

@@ -1,4 +1,5 @@
 //! Scenes: the robot, movable objects, static bodies, interfaces, start and goal, read from one TOML file.
+//! Contact sequences for a scene come from files of their own ([`SequenceFile`]).
 //!
 //! All poses are given in the frame that the field's documentation names; SI units; z up. The file format is described in
 //! `docs/scene-format.md` and, derived from the types of this crate, in `docs/scene.schema.json`. Faults are reported with
@@ -19,6 +20,8 @@ mod parse;
 mod place;
 mod robot;
 mod rules;
+mod sequence;
+mod sequence_file;
 mod shapes;
 mod source;
 mod start;
@@ -27,10 +30,16 @@ mod types;
 mod values;
 
 pub use error::{Fault, SceneError};
+pub use sequence::{Expectation, Sequence, SequenceFile, SequenceGoal, SequencePhase};
 pub use source::Place;
 pub use types::*;
 
 /// The JSON Schema of a scene file (draft 2020-12), derived from the types.
 pub fn json_schema() -> serde_json::Value {
     schemars::schema_for!(file::SceneFile).to_value()
+}
+
+/// The JSON Schema of a sequence file (draft 2020-12), derived from the types.
+pub fn sequence_json_schema() -> serde_json::Value {
+    schemars::schema_for!(sequence_file::SequenceEntry).to_value()
 }

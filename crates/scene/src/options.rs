@@ -85,7 +85,7 @@ pub(crate) fn optimiser(
         })
     };
     Ok(OptimiserOptions {
-        steps: count("steps", entry.steps.as_ref(), LARGEST_STEPS, default.steps)?,
+        steps: (entry.steps.as_ref()).map_or(Ok(default.steps), |value| steps(source, value))?,
         min_duration,
         max_duration,
         torque_limits: entry.torque_limits.unwrap_or(default.torque_limits),
@@ -96,4 +96,9 @@ pub(crate) fn optimiser(
             default.max_iterations,
         )?,
     })
+}
+
+/// A number of intervals per phase.
+pub(crate) fn steps(source: &Source, value: &At<usize>) -> Result<usize, SceneError> {
+    source.count("steps", value, 1..=LARGEST_STEPS)
 }

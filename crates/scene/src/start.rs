@@ -19,6 +19,9 @@ const LEAST_UPWARD: f64 = 0.5;
 /// Faces that are further from parallel are not named as the nearest support of a floating object [rad].
 const NEARLY_PARALLEL: f64 = 0.2;
 
+/// What lists contacts in a scene file, for messages.
+const START_CONTACT: &str = "start contact";
+
 /// The start of a scene.
 pub(crate) struct Start {
     /// Base position, base quaternion, joints.
@@ -27,9 +30,12 @@ pub(crate) struct Start {
 }
 
 /// A contact with the bytes that ask for it.
-struct Asked {
-    contact: Contact,
-    span: Range<usize>,
+pub(crate) struct Asked {
+    /// Of the first of `types`.
+    pub contact: Contact,
+    pub span: Range<usize>,
+    /// All types that are possible and were not excluded.
+    pub types: Vec<ContactType>,
 }
 
 /// Finds the start configuration and contacts, given those of the objects that were placed on something.
@@ -45,7 +51,11 @@ pub(crate) fn start(
     let listed = entry
         .contacts
         .as_ref()
-        .map(|list| list.iter().map(|c| listed_contact(draft, c)).collect())
+        .map(|list| {
+            list.iter()
+                .map(|c| listed_contact(draft, c, START_CONTACT))
+                .collect()
+        })
         .transpose()?;
     let base_span = entry
         .position
@@ -69,12 +79,12 @@ pub(crate) fn start(
         draft,
         kinematics: &kinematics,
     };
-    for (index, Asked { contact, span }) in asked.iter().enumerate() {
+    for (index, Asked { contact, span, .. }) in asked.iter().enumerate() {
         if let Some(other) = asked[..index].iter().find(|o| o.contact.a == contact.a) {
             return Err(two_partners(draft, contact, &other.contact, span));
         }
     }
-    for Asked { contact, span } in &asked {
+    for Asked { contact, span, .. } in &asked {
         world.require(contact, span)?;
     }
     let mut contacts: Vec<Contact> = asked.into_iter().map(|asked| asked.contact).collect();
@@ -90,7 +100,7 @@ pub(crate) fn start(
 }
 
 /// The fault of an interface that lands on two others.
-fn two_partners(
+pub(crate) fn two_partners(
     draft: &Draft,
     contact: &Contact,
     other: &Contact,
@@ -131,22 +141,26 @@ fn configuration(draft: &Draft, entry: &StartEntry) -> Result<Vec<f64>, SceneErr
     Ok(q)
 }
 
-/// A contact that the file lists.
-fn listed_contact(draft: &Draft, entry: &At<ContactEntry>) -> Result<Asked, SceneError> {
+/// A contact that a file lists, for `user`.
+pub(crate) fn listed_contact(
+    draft: &Draft,
+    entry: &At<ContactEntry>,
+    user: &str,
+) -> Result<Asked, SceneError> {
     let (first, second, kind) = match entry.0.as_slice() {
         [first, second] => (first, second, None),
         [first, second, kind] => (first, second, Some(kind)),
         _ => {
             let problem = "expected [interface, interface] or [interface, interface, type]";
-            return Err(draft
-                .source
-                .bad_keys(entry.span(), "start contact", problem));
+            return Err(draft.source.bad_keys(entry.span(), user, problem));
         }
     };
-    let only = kind.map(|name| contact_type(draft, name)).transpose()?;
+    let only = kind
+        .map(|name| contact_type(draft, name, user))
+        .transpose()?;
     let pair = (
-        draft.interface(first, "start contact")?,
-        draft.interface(second, "start contact")?,
+        draft.interface(first, user)?,
+        draft.interface(second, user)?,
     );
     let (a, b, types) = draft.landing_pair(entry.span(), pair, only)?;
     Ok(Asked {
@@ -156,16 +170,17 @@ fn listed_contact(draft: &Draft, entry: &At<ContactEntry>) -> Result<Asked, Scen
             kind: types[0],
         },
         span: entry.span(),
+        types,
     })
 }
 
-fn contact_type(draft: &Draft, name: &At<String>) -> Result<ContactType, SceneError> {
+fn contact_type(draft: &Draft, name: &At<String>, user: &str) -> Result<ContactType, SceneError> {
     let found = ContactType::ALL
         .into_iter()
         .find(|kind| kind.name() == **name);
     found.ok_or_else(|| {
         let known = ContactType::ALL.iter().map(|kind| kind.name());
-        unknown_name(draft.source, name, "start contact", "contact type", known)
+        unknown_name(draft.source, name, user, "contact type", known)
     })
 }
 
@@ -282,6 +297,7 @@ impl World<'_> {
                         kind,
                     },
                     span: base_span.clone(),
+                    types: vec![kind],
                 });
             }
         }

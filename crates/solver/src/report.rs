@@ -53,6 +53,16 @@ pub struct Timing {
     pub total: Duration,
 }
 
+impl std::ops::AddAssign for Timing {
+    fn add_assign(&mut self, other: Self) {
+        self.linearise += other.linearise;
+        self.factorise += other.factorise;
+        self.solve += other.solve;
+        self.evaluate += other.evaluate;
+        self.total += other.total;
+    }
+}
+
 /// Result of a solve beside the point.
 #[derive(Debug, Clone)]
 pub struct Report {

@@ -1,0 +1,202 @@
+//! One given contact sequence: keyframes, then the trajectory optimiser. No search.
+
+use std::time::Instant;
+
+use crate::api::{Error, Event, Found, Request};
+use crate::{domain, export, search, summary};
+use ocp::{Keyframes, Motion, Phase, Planner, Settings};
+use scene::{Scene, Sequence};
+use solver::{Status, Timing};
+use symbolic::Action;
+
+/// The number that events of [`solve`] carry: there is one sequence.
+const NUMBER: usize = 1;
+
+/// What came of the keyframes.
+#[derive(Debug, Clone)]
+pub struct KeyframeReport {
+    /// True if contacts, clearances and goal regions can be satisfied at all phase boundaries.
+    pub possible: bool,
+    /// Iterations of the last round.
+    pub iterations: usize,
+    /// Wall time [s].
+    pub seconds: f64,
+}
+
+/// What came of the motion.
+#[derive(Debug, Clone)]
+pub struct MotionReport {
+    /// How the last round ended.
+    pub status: Status,
+    /// Iterations of all rounds.
+    pub iterations: usize,
+    /// Solver time of all rounds, part by part.
+    pub timing: Timing,
+    /// Cost at the end.
+    pub cost: f64,
+    /// Largest violation, each row in its own SI unit.
+    pub violation: f64,
+}
+
+/// Result of [`solve`].
+#[derive(Debug)]
+pub struct Solved {
+    /// The motion, feasible or not; `None` if there are no keyframes.
+    pub best: Option<Found>,
+    /// True if `best` satisfies everything.
+    pub feasible: bool,
+    /// What came of the keyframes.
+    pub keyframes: KeyframeReport,
+    /// What came of the motion; `None` if there are no keyframes.
+    pub motion: Option<MotionReport>,
+    /// Why there is no plan: constraint, contact or joint, amount and phase.
+    pub reason: Option<String>,
+    /// Wall time [s].
+    pub seconds: f64,
+}
+
+/// Optimises one contact sequence.
+///
+/// Of the request, preset and time limit count. `observe` sees the sequence, its keyframes, the iterations and the end; it
+/// stops the optimiser by returning false, and the last iterate is returned then.
+///
+/// # Errors
+/// If the scene is no planning problem: no model, start in collision.
+pub fn solve(
+    scene: &Scene,
+    sequence: &Sequence,
+    request: &Request,
+    observe: &mut dyn FnMut(&Event) -> bool,
+) -> Result<Solved, Error> {
+    let begin = Instant::now();
+    let scene = &with_goal(scene, sequence);
+    let planner = Planner::new(scene)?;
+    search::check_start(scene, &planner)?;
+    let labels = labels(scene, sequence)?;
+    let settings = Settings::new(request.preset, &scene.optimiser);
+    let phases: Vec<Phase> = sequence
+        .phases
+        .iter()
+        .map(|phase| Phase {
+            state: phase.state.clone(),
+            steps: phase.steps,
+        })
+        .collect();
+    let mut stopped = !observe(&Event::Sequence {
+        number: NUMBER,
+        labels: labels.clone(),
+    });
+    let start = Instant::now();
+    let keyframes = planner.keyframes(&phases, &settings);
+    let mut solved = Solved {
+        best: None,
+        feasible: false,
+        keyframes: KeyframeReport {
+            possible: keyframes.possible,
+            iterations: keyframes.report.iterations,
+            seconds: start.elapsed().as_secs_f64(),
+        },
+        motion: None,
+        reason: no_keyframes(scene, &keyframes),
+        seconds: 0.0,
+    };
+    stopped |= !observe(&Event::Keyframes {
+        number: NUMBER,
+        possible: keyframes.possible,
+        reason: solved.reason.clone(),
+    });
+    if keyframes.possible {
+        let mut late = false;
+        let mut motion = planner.motion(&phases, &settings, &keyframes.nodes, &mut |i| {
+            stopped |= !observe(&Event::Iteration {
+                number: NUMBER,
+                iteration: i.number,
+                violation: i.violation,
+                objective: i.objective,
+            });
+            late = begin.elapsed().as_secs_f64() > request.time_limit;
+            !stopped && !late
+        });
+        let ended = match (stopped, late) {
+            (true, _) => Some("stopped by the caller".to_owned()),
+            (_, true) => Some(format!("time limit of {} s", request.time_limit)),
+            _ => None,
+        };
+        solved.reason = no_motion(scene, &motion, ended);
+        solved.take_motion(scene, &labels, &mut motion);
+        observe(&Event::Optimised {
+            number: NUMBER,
+            feasible: motion.feasible,
+            cost: motion.report.objective,
+            reason: solved.reason.clone(),
+        });
+    }
+    solved.seconds = begin.elapsed().as_secs_f64();
+    Ok(solved)
+}
+
+impl Solved {
+    fn take_motion(&mut self, scene: &Scene, labels: &[String], motion: &mut Motion) {
+        let plan = export::plan(scene, labels, motion);
+        self.feasible = motion.feasible;
+        self.motion = Some(MotionReport {
+            status: motion.report.status,
+            iterations: motion.iterations,
+            timing: motion.timing,
+            cost: motion.report.objective,
+            violation: export::largest_violation(motion),
+        });
+        let summary = summary::summarise(scene, labels, motion);
+        self.best = Some(Found { plan, summary });
+    }
+}
+
+/// The scene with the goal of the sequence, if that has one.
+fn with_goal(scene: &Scene, sequence: &Sequence) -> Scene {
+    let mut scene = scene.clone();
+    if let Some(goal) = &sequence.goal {
+        scene.goal_contacts.clone_from(&goal.contacts);
+        scene.goal_regions.clone_from(&goal.regions);
+    }
+    scene
+}
+
+/// What changes on entering each phase, where the sequence does not say it.
+fn labels(scene: &Scene, sequence: &Sequence) -> Result<Vec<String>, Error> {
+    let domain = domain::domain(scene)?;
+    let phases = &sequence.phases;
+    let derived = (0..phases.len()).map(|k| {
+        if k == 0 {
+            return "start".to_owned();
+        }
+        let action = Action::between(&phases[k - 1].state, &phases[k].state);
+        if action.is_empty() {
+            "the same contacts".to_owned()
+        } else {
+            action.describe(&domain)
+        }
+    });
+    let given = phases.iter().map(|phase| phase.label.clone());
+    Ok(given.zip(derived).map(|(g, d)| g.unwrap_or(d)).collect())
+}
+
+fn no_keyframes(scene: &Scene, keyframes: &Keyframes) -> Option<String> {
+    if keyframes.possible {
+        return None;
+    }
+    let words = keyframes.worst.as_ref().map(|w| summary::words(scene, w));
+    Some(words.unwrap_or_else(|| format!("the keyframes ended as {:?}", keyframes.report.status)))
+}
+
+fn no_motion(scene: &Scene, motion: &Motion, ended: Option<String>) -> Option<String> {
+    if motion.feasible {
+        return None;
+    }
+    let words = motion.worst.as_ref().map(|w| summary::words(scene, w));
+    let words =
+        words.unwrap_or_else(|| format!("the optimiser ended as {:?}", motion.report.status));
+    Some(match ended {
+        Some(ended) => format!("{words} ({ended})"),
+        None => words,
+    })
+}
