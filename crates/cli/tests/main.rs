@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod chain;
+mod sequences;
 
 use assert_cmd::Command;
 use std::path::PathBuf;

@@ -128,7 +128,7 @@ pub fn plan(scene: &Scene, labels: &[String], motion: &mut Motion) -> Plan {
             .goal_regions
             .iter()
             .map(|r| GoalRegion {
-                body: r.body.clone(),
+                body: goal_body(scene, &r.body),
                 lower: std::array::from_fn(|i| r.lower[i].is_finite().then_some(r.lower[i])),
                 upper: std::array::from_fn(|i| r.upper[i].is_finite().then_some(r.upper[i])),
                 extra: Extra::new(),
@@ -143,6 +143,16 @@ pub fn plan(scene: &Scene, labels: &[String], motion: &mut Motion) -> Plan {
         tau: tau.iter().map(|row| row[6..nv].to_vec()).collect(),
         object_states,
         extra: Extra::new(),
+    }
+}
+
+/// The body of a goal region as the plan knows it: the base is the robot's root link.
+fn goal_body(scene: &Scene, name: &str) -> String {
+    let frames = &scene.robot.model.frames;
+    let root = frames.iter().find(|f| f.joint == Some(0));
+    match root {
+        Some(root) if name == "base" => root.name.clone(),
+        _ => name.to_owned(),
     }
 }
 

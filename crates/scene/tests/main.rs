@@ -8,3 +8,4 @@ mod placing;
 mod robots;
 mod rules;
 mod schema;
+mod sequences;
