@@ -101,7 +101,7 @@ fn counts(rows: &[Row]) -> String {
     let infeasible = |row: &Row| matches!(row.expect, Some(Expectation::Infeasible { .. }));
     let seconds: f64 = rows.iter().map(|row| row.finished.solved.seconds).sum();
     format!(
-        "\n{} of {} feasible ones solved and accepted, {} of {} infeasible ones recognised, {seconds:.0} s\n",
+        "\n{} of {} feasible ones solved and accepted, {} of {} infeasible ones without a plan, {seconds:.0} s\n",
         count(&|row| feasible(row) && row.as_expected()),
         count(&feasible),
         count(&|row| infeasible(row) && row.as_expected()),

@@ -158,7 +158,7 @@ fn the_bench_compares_with_what_is_expected() {
         "high",
         "no keyframes",
         "accepted",
-        "1 of 1 feasible ones solved and accepted, 1 of 1 infeasible ones recognised",
+        "1 of 1 feasible ones solved and accepted, 1 of 1 infeasible ones without a plan",
     ] {
         assert!(text.contains(part), "{part:?} is missing in:\n{text}");
     }

@@ -164,7 +164,7 @@ fn every_fault_is_named_with_its_line() {
         ),
         (
             "[\"crate_handle\", \"left_hand\"]",
-            "[\"left_foot\", \"shelf_top\"]",
+            "[\"left_foot\", \"table_top\"]",
             25,
             &["left_foot", "touch \"ground_top\" as well"],
         ),
