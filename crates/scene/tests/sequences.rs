@@ -92,121 +92,125 @@ fn refused(piece: &str, replacement: &str) -> (String, usize) {
     (error.to_string(), line)
 }
 
+/// Piece of [`VALID`], what replaces it, the line of the fault, what its message says.
+type Case = (&'static str, &'static str, usize, &'static [&'static str]);
+
+const CASES: &[Case] = &[
+    (
+        "name = \"grasp\"",
+        "nam = \"grasp\"",
+        1,
+        &["unknown key \"nam\"", "did you mean \"name\"?"],
+    ),
+    (
+        "steps = 5",
+        "steps = 0",
+        4,
+        &["steps is 0", "from 1 to 200"],
+    ),
+    ("steps = 7", "steps = 201", 21, &["steps is 201"]),
+    (
+        "\"infeasible\"",
+        "\"impossible\"",
+        5,
+        &["unknown value `impossible`"],
+    ),
+    (
+        "why = \"the handle is too far\"\n",
+        "",
+        5,
+        &["needs the reason", "why ="],
+    ),
+    (
+        "\"infeasible\"",
+        "\"feasible\"",
+        6,
+        &["why", "goes with expect = \"infeasible\" only"],
+    ),
+    (
+        "\"crate_handle\"",
+        "\"crate_handel\"",
+        25,
+        &["crate_handel", "did you mean \"crate_handle\"?"],
+    ),
+    (
+        "\"unilateral_patch\"",
+        "\"sticky\"",
+        23,
+        &["no contact type is called \"sticky\"", "unilateral_patch"],
+    ),
+    (
+        "\"unilateral_patch\"",
+        "\"bilateral_patch\"",
+        23,
+        &["cannot touch", "no contact type in common"],
+    ),
+    (
+        "[\"crate_handle\", \"left_hand\"]",
+        "[\"crate_handle\"]",
+        25,
+        &["expected [interface, interface]"],
+    ),
+    (
+        "[\"crate_handle\", \"left_hand\"]",
+        "[\"crate_handle\", \"crate_lid\"]",
+        25,
+        &["cannot touch"],
+    ),
+    (
+        "[\"crate_handle\", \"left_hand\"]",
+        "[\"left_foot\", \"ground_top\"]",
+        25,
+        &["left_foot on ground_top", "listed twice"],
+    ),
+    (
+        "[\"crate_handle\", \"left_hand\"]",
+        "[\"left_foot\", \"table_top\"]",
+        25,
+        &["left_foot", "touch \"ground_top\" as well"],
+    ),
+    (
+        "[\"crate_handle\", \"left_hand\"]",
+        "[\"left_hand\", \"crate_bottom\"]",
+        26,
+        &["rest and be touched at once"],
+    ),
+    (
+        "    [\"right_foot\", \"ground_top\"],\n",
+        "",
+        12,
+        &[
+            "first phase",
+            "right_foot on ground_top (unilateral_patch) missing",
+        ],
+    ),
+    (
+        "    [\"cup_foot\", \"crate_lid\"],\n]",
+        "    [\"cup_foot\", \"crate_lid\"], [\"left_hand\", \"crate_handle\"]\n]",
+        12,
+        &["left_hand on crate_handle (bilateral_patch) not there"],
+    ),
+    (
+        "[\"table_top\", \"crate_bottom\"]",
+        "[\"shelf_top\", \"crate_bottom\"]",
+        22,
+        &["cannot touch"],
+    ),
+    (
+        "[\"table_top\", \"crate_bottom\"]",
+        "[\"ground_top\", \"crate_bottom\"]",
+        22,
+        &[
+            "last phase",
+            "crate_bottom on ground_top",
+            "[goal] of its own",
+        ],
+    ),
+];
+
 #[test]
 fn every_fault_is_named_with_its_line() {
-    let cases = [
-        (
-            "name = \"grasp\"",
-            "nam = \"grasp\"",
-            1,
-            &["unknown key \"nam\"", "did you mean \"name\"?"][..],
-        ),
-        (
-            "steps = 5",
-            "steps = 0",
-            4,
-            &["steps is 0", "from 1 to 200"],
-        ),
-        ("steps = 7", "steps = 201", 21, &["steps is 201"]),
-        (
-            "\"infeasible\"",
-            "\"impossible\"",
-            5,
-            &["unknown value `impossible`"],
-        ),
-        (
-            "why = \"the handle is too far\"\n",
-            "",
-            5,
-            &["needs the reason", "why ="],
-        ),
-        (
-            "\"infeasible\"",
-            "\"feasible\"",
-            6,
-            &["why", "goes with expect = \"infeasible\" only"],
-        ),
-        (
-            "\"crate_handle\"",
-            "\"crate_handel\"",
-            25,
-            &["crate_handel", "did you mean \"crate_handle\"?"],
-        ),
-        (
-            "\"unilateral_patch\"",
-            "\"sticky\"",
-            23,
-            &["no contact type is called \"sticky\"", "unilateral_patch"],
-        ),
-        (
-            "\"unilateral_patch\"",
-            "\"bilateral_patch\"",
-            23,
-            &["cannot touch", "no contact type in common"],
-        ),
-        (
-            "[\"crate_handle\", \"left_hand\"]",
-            "[\"crate_handle\"]",
-            25,
-            &["expected [interface, interface]"],
-        ),
-        (
-            "[\"crate_handle\", \"left_hand\"]",
-            "[\"crate_handle\", \"crate_lid\"]",
-            25,
-            &["cannot touch"],
-        ),
-        (
-            "[\"crate_handle\", \"left_hand\"]",
-            "[\"left_foot\", \"ground_top\"]",
-            25,
-            &["left_foot on ground_top", "listed twice"],
-        ),
-        (
-            "[\"crate_handle\", \"left_hand\"]",
-            "[\"left_foot\", \"table_top\"]",
-            25,
-            &["left_foot", "touch \"ground_top\" as well"],
-        ),
-        (
-            "[\"crate_handle\", \"left_hand\"]",
-            "[\"left_hand\", \"crate_bottom\"]",
-            26,
-            &["rest and be touched at once"],
-        ),
-        (
-            "    [\"right_foot\", \"ground_top\"],\n",
-            "",
-            12,
-            &[
-                "first phase",
-                "right_foot on ground_top (unilateral_patch) missing",
-            ],
-        ),
-        (
-            "    [\"cup_foot\", \"crate_lid\"],\n]",
-            "    [\"cup_foot\", \"crate_lid\"], [\"left_hand\", \"crate_handle\"]\n]",
-            12,
-            &["left_hand on crate_handle (bilateral_patch) not there"],
-        ),
-        (
-            "[\"table_top\", \"crate_bottom\"]",
-            "[\"shelf_top\", \"crate_bottom\"]",
-            22,
-            &["cannot touch"],
-        ),
-        (
-            "[\"table_top\", \"crate_bottom\"]",
-            "[\"ground_top\", \"crate_bottom\"]",
-            22,
-            &[
-                "last phase",
-                "crate_bottom on ground_top",
-                "[goal] of its own",
-            ],
-        ),
-    ];
-    for (piece, replacement, line, parts) in cases {
+    for &(piece, replacement, line, parts) in CASES {
         let (message, at) = refused(piece, replacement);
         for part in parts {
             assert!(
