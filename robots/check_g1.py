@@ -10,6 +10,7 @@ Needs: pip install pin example-robot-data trimesh numpy scipy (pin brings coal);
 `--verbose` prints every link; `--sweep` also moves each joint through its range and lists what then touches.
 """
 import argparse
+import itertools
 import site
 import sys
 import tomllib
@@ -25,7 +26,7 @@ from scipy.spatial import ConvexHull, cKDTree
 HERE = Path(__file__).parent
 MAX_UNCOVERED = 0.020          # m: mesh point outside the shapes
 MAX_BULGE = 0.030              # m: shape point outside the mesh
-PALM_TOLERANCE = 0.005         # m: interface origin and shape face from the palm's surface
+PALM_TOLERANCE = 0.001         # m: the palm's plane from heel and finger tips
 NUMBERS = 1e-12                # relative: mass matrix and inverse dynamics
 
 
@@ -341,12 +342,11 @@ def check_interfaces(r, model, robot, shapes, meshes):
             r.line(f"{i['name']}: corners outside the flat part of the mesh", max(0, (corner @ edge[:, :2].T + edge[:, 2]).max()), 0)
             r.line(f"{i['name']}: face of a box from the patch", face, 1e-4)
         else:
-            P = samples(local, 0.0005)
-            near = P[(np.abs(P[:, 0]) < hx) & (np.abs(P[:, 1]) < hy) & (P[:, 2] > -0.012)]
-            mid = near[np.hypot(near[:, 0], near[:, 1]) < 0.002]
-            r.line(f"{i['name']}: origin from the palm's surface", abs(mid[:, 2].max()), PALM_TOLERANCE)
-            r.line(f"{i['name']}: patch from the palm's surface, mean", abs(near[:, 2]).mean(), PALM_TOLERANCE)
-            r.line(f"{i['name']}: face of a box from the patch", face, PALM_TOLERANCE)
+            touching = local.vertices[local.vertices[:, 2] > local.vertices[:, 2].max() - 0.003]
+            r.line(f"{i['name']}: plane from the mesh", abs(local.vertices[:, 2].max()), PALM_TOLERANCE)
+            r.line(f"{i['name']}: patch beyond what touches the plane", max(0, hx - np.ptp(touching[:, 0]) / 2), 0)
+            ahead = [(M.rotation @ (np.array(c) * s[3]) + M.translation)[2] for s, M in box for c in itertools.product((-1, 1), repeat=3)]
+            r.line(f"{i['name']}: boxes beyond the plane", max(0, max(ahead)), PALM_TOLERANCE)
     r.holds("interfaces left_foot, right_foot, left_hand, right_hand", names == {"left_foot", "right_foot", "left_hand", "right_hand"})
 
 

@@ -7,7 +7,7 @@ mod chain;
 pub mod collision;
 mod derivatives;
 mod difference;
-mod guess;
+pub mod guess;
 mod momentum;
 pub mod motion;
 mod point;

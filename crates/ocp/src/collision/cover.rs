@@ -1,6 +1,7 @@
 //! Balls that stand for shapes.
 
 use super::Ball;
+use crate::terms::distance::Part;
 use nalgebra::Vector3;
 use scene::{PlacedShape, Shape};
 use spatial::Pose;
@@ -13,6 +14,23 @@ const EDGE_BALL: f64 = 0.01;
 const EDGE_INSET: f64 = 0.75;
 /// Half length from which on an edge gets a ball in its middle [m].
 const LONG_EDGE: f64 = 0.03;
+
+/// The parts that a shape is: boxes as they are, anything round as balls.
+pub(super) fn parts(pose: &Pose, shape: &Shape, out: &mut Vec<Part>) {
+    match shape {
+        Shape::Box { half_size } => out.push(Part::Box(pose.inverse(), *half_size)),
+        Shape::Sphere { .. } | Shape::Capsule { .. } => {
+            let mut balls = Vec::new();
+            cover(pose, shape, &mut balls);
+            out.extend(
+                balls
+                    .into_iter()
+                    .map(|(centre, radius)| Part::Ball(centre, radius)),
+            );
+        }
+        Shape::HalfSpace => {}
+    }
+}
 
 /// Balls that cover a shape (a box up to its edges), in the frame in which the shape's pose is given.
 pub(super) fn cover(pose: &Pose, shape: &Shape, out: &mut Vec<Ball>) {

@@ -8,13 +8,13 @@ mod pairs;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use cover::{corners, cover};
+use cover::{corners, cover, parts};
 pub use pairs::Pair;
 
 use crate::program::{Grid, Phase, Program};
 use crate::relative::{Body, Carrier, RelativeFrame};
 use crate::system::System;
-use crate::terms::distance::Obstacle;
+use crate::terms::distance::{Obstacle, Part};
 use multibody::Kinematics;
 use nalgebra::Vector3;
 use scene::{Owner, PlacedShape, Role, Scene, Shape};
@@ -54,7 +54,8 @@ impl Primitive {
     }
 }
 
-/// Two links of the robot that must not touch, and their distance in the home posture [m].
+/// Two links of the robot that must not touch, the balls of one and the parts of the other, and their distance in the home
+/// posture [m].
 #[derive(Debug, Clone, Copy)]
 struct SelfPair {
     a: usize,
@@ -68,6 +69,8 @@ pub struct CollisionModel {
     balls: Vec<Vec<Ball>>,
     /// A ball around all balls of a body.
     bounds: Vec<Ball>,
+    /// Shapes of links.
+    parts: Vec<Vec<Part>>,
     primitives: Vec<Primitive>,
     self_pairs: Vec<SelfPair>,
     feet: Vec<bool>,
@@ -79,14 +82,13 @@ impl CollisionModel {
     pub fn new(scene: &Scene, system: &System) -> Self {
         let n = system.model.joints.len();
         let mut balls: Vec<Vec<Ball>> = vec![vec![]; n];
+        let mut link_parts: Vec<Vec<Part>> = vec![vec![]; n];
         for (frame, shapes) in system.model.frames.iter().zip(&scene.robot.shapes) {
             if let Some(joint) = frame.joint {
                 for shape in shapes {
-                    cover(
-                        &(frame.joint_from_frame * shape.body_from_shape),
-                        &shape.shape,
-                        &mut balls[joint],
-                    );
+                    let pose = frame.joint_from_frame * shape.body_from_shape;
+                    cover(&pose, &shape.shape, &mut balls[joint]);
+                    parts(&pose, &shape.shape, &mut link_parts[joint]);
                 }
             }
         }
@@ -117,6 +119,7 @@ impl CollisionModel {
         let mut model = Self {
             bounds: balls.iter().map(|b| bounding_ball(b)).collect(),
             balls,
+            parts: link_parts,
             primitives,
             self_pairs: vec![],
             feet: carries(Role::Foot),
@@ -152,8 +155,18 @@ impl CollisionModel {
                     continue;
                 };
                 let steps = |p: &[usize]| p.iter().position(|j| j == common).unwrap_or(0);
+                if steps(&pa) + steps(&pb) <= 2 {
+                    continue;
+                }
+                // The cheaper way round.
+                let cost = |a: usize, b: usize| self.balls[a].len() * self.parts[b].len();
+                let (a, b) = if cost(a, b) <= cost(b, a) {
+                    (a, b)
+                } else {
+                    (b, a)
+                };
                 let at_home = self.link_distance(&kinematics, a, b);
-                if steps(&pa) + steps(&pb) > 2 && at_home > 0.0 {
+                if at_home > 0.0 {
                     pairs.push(SelfPair { a, b, at_home });
                 }
             }
@@ -164,10 +177,10 @@ impl CollisionModel {
     fn link_distance(&self, kinematics: &Kinematics, a: usize, b: usize) -> f64 {
         let b_from_a = kinematics.world_from_joint[b].inverse() * kinematics.world_from_joint[a];
         let mut least = f64::INFINITY;
-        for (ca, ra) in &self.balls[a] {
-            let p = b_from_a.act(*ca);
-            for (cb, rb) in &self.balls[b] {
-                least = least.min((p - cb).norm() - ra - rb);
+        for (centre, radius) in &self.balls[a] {
+            let p = b_from_a.act(*centre);
+            for part in &self.parts[b] {
+                least = least.min(part.rough_distance(&p) - radius);
             }
         }
         least
@@ -333,8 +346,8 @@ fn primitive(joint: Option<usize>, body: Option<usize>, placed: &PlacedShape) ->
         Shape::HalfSpace => (Obstacle::HalfSpace, placed.body_from_shape),
         Shape::Sphere { .. } | Shape::Capsule { .. } => {
             let mut balls = Vec::new();
-            cover(&Pose::identity(), &placed.shape, &mut balls);
-            (Obstacle::Balls(balls), placed.body_from_shape)
+            parts(&Pose::identity(), &placed.shape, &mut balls);
+            (Obstacle::Parts(balls), placed.body_from_shape)
         }
     };
     Primitive {

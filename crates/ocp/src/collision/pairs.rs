@@ -6,7 +6,7 @@ use super::{Ball, CollisionModel, ExtraClearance, Other, Primitive, SelfPair};
 use crate::program::{Grid, Phase, Program};
 use crate::settings::Preset;
 use crate::terms::PoseTerm;
-use crate::terms::distance::{Distance, EVENNESS, Obstacle};
+use crate::terms::distance::{Distance, EVENNESS, Obstacle, Part};
 use crate::terms::sigmoid::Sigmoid;
 use multibody::Kinematics;
 use scene::Scene;
@@ -14,8 +14,6 @@ use spatial::Pose;
 
 /// A pair of bodies nearer than this in the guide configurations gets a row [m].
 const NEAR: f64 = 0.15;
-/// The same for two links of the robot [m].
-const NEAR_SELF: f64 = 0.08;
 /// Nodes before and after a node whose guide configurations count for it: phases shift while they are optimised.
 const WINDOW: usize = 2;
 /// What the smooth least distance may fall short of the true one where a keyframe must not be rejected [m].
@@ -222,7 +220,7 @@ impl CollisionModel {
                 b: Some(pair.b),
                 term: Arc::new(Distance {
                     balls: near_a,
-                    obstacle: Obstacle::Balls(near_b),
+                    obstacle: Obstacle::Parts(near_b),
                     obstacle_from_b: Pose::identity(),
                     clearance,
                 }),
@@ -230,36 +228,21 @@ impl CollisionModel {
         }
     }
 
-    /// Balls of two links that come near one another in any of the configurations.
-    fn balls_near_link(&self, pair: &SelfPair, window: &[Kinematics]) -> (Vec<Ball>, Vec<Ball>) {
-        let (a, b) = (&self.balls[pair.a], &self.balls[pair.b]);
-        let (bound_a, bound_b) = (self.bounds[pair.a], self.bounds[pair.b]);
-        let near = |x: &Pose, p: &Ball, q: &Ball| (x.act(p.0) - q.0).norm() - p.1 - q.1 < NEAR_SELF;
+    /// Balls of one link and parts of another that come near one another in any of the configurations.
+    fn balls_near_link(&self, pair: &SelfPair, window: &[Kinematics]) -> (Vec<Ball>, Vec<Part>) {
         let poses: Vec<Pose> = window
             .iter()
             .map(|k| k.world_from_joint[pair.b].inverse() * k.world_from_joint[pair.a])
-            .filter(|x| near(x, &bound_a, &bound_b))
             .collect();
-        if poses.is_empty() {
-            return (vec![], vec![]);
-        }
-        let some = |p: &Ball, q: &Ball| poses.iter().any(|x| near(x, p, q));
-        // Few balls come near the other link at all; only those are compared one by one.
-        let a: Vec<Ball> = a.iter().filter(|p| some(p, &bound_b)).copied().collect();
-        let b: Vec<Ball> = b.iter().filter(|q| some(&bound_a, q)).copied().collect();
-        let (mut near_a, mut near_b) = (vec![false; a.len()], vec![false; b.len()]);
-        for (i, p) in a.iter().enumerate() {
-            for (j, q) in b.iter().enumerate() {
-                if !(near_a[i] && near_b[j]) && some(p, q) {
-                    (near_a[i], near_b[j]) = (true, true);
-                }
-            }
-        }
-        let kept = |balls: Vec<Ball>, near: Vec<bool>| {
-            let both = balls.into_iter().zip(near);
-            both.filter_map(|(ball, near)| near.then_some(ball))
-                .collect()
+        let near = |(centre, radius): &Ball, part: &Part| {
+            let mut points = poses.iter().map(|x| x.act(*centre));
+            points.any(|p| part.rough_distance(&p) - radius < NEAR)
         };
-        (kept(a, near_a), kept(b, near_b))
+        let bound = self.bounds[pair.a];
+        let parts = self.parts[pair.b].iter();
+        let parts: Vec<Part> = parts.filter(|part| near(&bound, part)).cloned().collect();
+        let balls = self.balls[pair.a].iter();
+        let balls = balls.filter(|ball| parts.iter().any(|part| near(ball, part)));
+        (balls.copied().collect(), parts)
     }
 }

@@ -1,7 +1,6 @@
 //! Clearance: the balls of a stay outside a primitive of b.
 //!
-//! The robot's links are covered by balls (capsules by rows of balls), so every pair is ball against box, half-space
-//! or ball. The box's distance is smooth: with d_±i = ±p_i − h_i over its six faces,
+//! One body is covered by balls (capsules by rows of balls), so every pair is ball against box, half-space or ball. The box's distance is smooth: with d_±i = ±p_i − h_i over its six faces,
 //!
 //! ```text
 //! d(p) = ε ln Σ exp(d_±i / ε)  ≥  max_i (|p_i| − h_i)
@@ -41,8 +40,48 @@ pub enum Obstacle {
     Box(Vector3<f64>),
     /// The half-space z < 0 of b.
     HalfSpace,
-    /// Balls: centres in b and radii.
-    Balls(Vec<(Vector3<f64>, f64)>),
+    /// Several parts, such as those of a link.
+    Parts(Vec<Part>),
+}
+
+/// A part of an obstacle.
+#[derive(Debug, Clone)]
+pub enum Part {
+    /// Centre in b and radius.
+    Ball(Vector3<f64>, f64),
+    /// Pose of b in the box, and half sizes.
+    Box(Pose, Vector3<f64>),
+}
+
+impl Part {
+    /// Distance of a point, Euclidean to a ball, to the farthest-out face of a box [m].
+    pub fn rough_distance(&self, p: &Vector3<f64>) -> f64 {
+        match self {
+            Self::Ball(centre, radius) => (p - centre).norm() - radius,
+            Self::Box(pose, half) => (pose.act(*p).abs() - half).max(),
+        }
+    }
+
+    fn distance(&self, p: &Vector3<f64>) -> f64 {
+        match self {
+            Self::Ball(centre, radius) => centre_distance(&(p - centre)).0 - radius,
+            Self::Box(pose, half) => faces(&pose.act(*p), half).0,
+        }
+    }
+
+    fn derivatives(&self, p: &Vector3<f64>) -> (f64, Vector3<f64>, Matrix3<f64>) {
+        match self {
+            Self::Ball(centre, radius) => {
+                let (d, g, h) = centre_distance(&(p - centre));
+                (d - radius, g, h)
+            }
+            Self::Box(pose, half) => {
+                let (d, g, h) = box_distance(&pose.act(*p), half);
+                let r = pose.rotation();
+                (d, r.tr_mul(&g), r.tr_mul(&h) * r)
+            }
+        }
+    }
 }
 
 /// One row: smooth least distance ≥ clearance [m].
@@ -98,7 +137,7 @@ impl Obstacle {
     fn parts(&self) -> usize {
         match self {
             Self::Box(_) | Self::HalfSpace => 1,
-            Self::Balls(balls) => balls.len(),
+            Self::Parts(parts) => parts.len(),
         }
     }
 
@@ -107,7 +146,7 @@ impl Obstacle {
         match self {
             Self::Box(half) => (p.abs() - half).max(),
             Self::HalfSpace => p.z,
-            Self::Balls(balls) => (p - balls[part].0).norm() - balls[part].1,
+            Self::Parts(parts) => parts[part].rough_distance(p),
         }
     }
 
@@ -116,7 +155,7 @@ impl Obstacle {
         match self {
             Self::Box(half) => faces(p, half).0,
             Self::HalfSpace => p.z,
-            Self::Balls(balls) => centre_distance(&(p - balls[part].0)).0 - balls[part].1,
+            Self::Parts(parts) => parts[part].distance(p),
         }
     }
 
@@ -125,10 +164,7 @@ impl Obstacle {
         match self {
             Self::Box(half) => box_distance(p, half),
             Self::HalfSpace => (p.z, Vector3::z(), Matrix3::zeros()),
-            Self::Balls(balls) => {
-                let (d, g, h) = centre_distance(&(p - balls[part].0));
-                (d - balls[part].1, g, h)
-            }
+            Self::Parts(parts) => parts[part].derivatives(p),
         }
     }
 

@@ -1,6 +1,6 @@
 //! One example of every term, for the derivative test that walks them all.
 
-use super::distance::{Distance, Obstacle};
+use super::distance::{Distance, Obstacle, Part};
 use super::{
     ForceTerm, PoseTerm, alignment::Alignment, approach::Approach, bounds::Bounds,
     friction::Friction, grasp::Grasp, half_space::HalfSpace, height::Height, place::Place,
@@ -48,10 +48,10 @@ pub fn pose_terms() -> Vec<Box<dyn PoseTerm>> {
         Box::new(Tilt),
         Box::new(distance(Obstacle::Box(half))),
         Box::new(distance(Obstacle::HalfSpace)),
-        Box::new(distance(Obstacle::Balls(vec![(
-            Vector3::new(0.0, 0.1, 0.0),
-            0.05,
-        )]))),
+        Box::new(distance(Obstacle::Parts(vec![
+            Part::Ball(Vector3::new(0.0, 0.1, 0.0), 0.05),
+            Part::Box(Pose::random(8), half),
+        ]))),
         Box::new(sigmoid(Obstacle::Box(half))),
         Box::new(sigmoid(Obstacle::HalfSpace)),
         Box::new(Approach {

@@ -63,7 +63,7 @@ impl Sigmoid {
                 hessian[(2, 2)] = self.slope * self.slope * dd;
                 (s, Vector3::new(0.0, 0.0, -self.slope * d), hessian)
             }
-            Obstacle::Balls(_) => (0.0, Vector3::zeros(), Matrix3::zeros()),
+            Obstacle::Parts(_) => (0.0, Vector3::zeros(), Matrix3::zeros()),
         }
     }
 }
