@@ -240,7 +240,7 @@ def fit(field, points, hull, kinds, units, given=None, tries=8):
         x0 = np.concatenate([start(k, points[label == order[j]]) for j, k in enumerate(kinds)])
         x0 = x0 + (0.01 * rng.standard_normal(len(x0)) if i else 0) if given is None else given
         r = least_squares(residual, x0, max_nfev=100)
-        if best is None or r.cost < best.cost:
+        if best is None or r.cost < 0.9999 * best.cost:    # rounding does not choose between starts that end alike
             best = r
     return shapes(best.x), *(d.max() for d in distances(best.x)), best.cost
 
