@@ -61,19 +61,20 @@ impl Trajectory {
                 let frame = &program.frames[program.nodes[node].frames[term.slot]];
                 let relative = &self.nodes[node].relatives[term.slot];
                 let gradients = &mut s.gradients[..term.n_rows];
-                term.term.gradients(&relative.b_from_a, gradients);
+                let weights = &y[term.first_row..term.first_row + term.n_rows];
+                let hessian = term
+                    .term
+                    .derivatives(&relative.b_from_a, weights, gradients);
                 let jacobian = &mut out.jacobians[term.block];
                 for (c, j) in relative.columns.iter().enumerate() {
                     for r in 0..term.n_rows {
                         jacobian[c * term.n_rows + r] = gradients[r].dot(j);
                     }
                 }
-                let weights = &y[term.first_row..term.first_row + term.n_rows];
                 if weights.iter().all(|w| w.abs() < 1e-9) {
                     continue;
                 }
                 let gradient = weighted_sum(gradients, weights);
-                let hessian = term.term.hessian(&relative.b_from_a, weights);
                 frame.pose_hessian(relative, &gradient, &hessian, |k, l, value| {
                     let (i, j) = (first + frame.cols[k], first + frame.cols[l]);
                     out.hessian[i.min(j) * n + i.max(j)] += value;

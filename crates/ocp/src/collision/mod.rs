@@ -14,13 +14,10 @@ pub use pairs::Pair;
 use crate::program::{Grid, Phase, Program};
 use crate::relative::{Body, Carrier, RelativeFrame};
 use crate::system::System;
-use crate::terms::distance::{Obstacle, Part};
+use crate::terms::distance::{Ball, Obstacle, Part, bounding_ball};
 use multibody::Kinematics;
-use nalgebra::Vector3;
 use scene::{Owner, PlacedShape, Role, Scene, Shape};
 use spatial::Pose;
-
-type Ball = (Vector3<f64>, f64);
 
 /// The body that a ball avoids: a joint, or a static body.
 pub type Other = Result<usize, usize>;
@@ -328,16 +325,6 @@ impl CollisionModel {
         }
         out
     }
-}
-
-/// A ball around balls (around their centres' mean; the origin for none).
-fn bounding_ball(balls: &[Ball]) -> Ball {
-    let mean = balls.iter().map(|b| b.0).sum::<Vector3<f64>>() / balls.len().max(1) as f64;
-    let radius = balls
-        .iter()
-        .map(|(c, r)| (c - mean).norm() + r)
-        .fold(0.0, f64::max);
-    (mean, radius)
 }
 
 fn primitive(joint: Option<usize>, body: Option<usize>, placed: &PlacedShape) -> Primitive {

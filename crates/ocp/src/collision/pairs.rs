@@ -145,12 +145,8 @@ impl CollisionModel {
                     })
                 } else {
                     let more = extra.get(&(at.node, a, other)).copied().unwrap_or(0.0);
-                    Arc::new(Distance {
-                        balls,
-                        obstacle,
-                        obstacle_from_b,
-                        clearance: self.clearance(program, a, primitive, since) + more,
-                    })
+                    let clearance = self.clearance(program, a, primitive, since) + more;
+                    Arc::new(Distance::new(balls, obstacle, obstacle_from_b, clearance))
                 };
                 out.push(Pair {
                     node: at.node,
@@ -218,12 +214,12 @@ impl CollisionModel {
                 node: at.node,
                 a: pair.a,
                 b: Some(pair.b),
-                term: Arc::new(Distance {
-                    balls: near_a,
-                    obstacle: Obstacle::Parts(near_b),
-                    obstacle_from_b: Pose::identity(),
+                term: Arc::new(Distance::new(
+                    near_a,
+                    Obstacle::Parts(near_b),
+                    Pose::identity(),
                     clearance,
-                }),
+                )),
             });
         }
     }

@@ -14,7 +14,12 @@
 //! d = −η ln Σ_k exp(−d_k / η)  ≤  min_k d_k
 //! ```
 //!
-//! too small by η ln n where n pairs are equally near, again on the safe side.
+//! too small by η ln n where n pairs are equally near, again on the safe side. What is far away does not matter and must
+//! cost nothing, so the row is φ(d), which is d up to d₀ and, with u = (d − d₀)/(d₁ − d₀), levels out at d₁:
+//!
+//! ```text
+//! φ = d₀ + (d₁ − d₀)(u − u³ + u⁴/2)
+//! ```
 //!
 //! Source: ours, in place of the paper's sigmoids (eq. penalties), which exclude nothing.
 
@@ -27,8 +32,10 @@ use spatial::Pose;
 const SHARPNESS: f64 = 0.006;
 /// η [m].
 pub const EVENNESS: f64 = 0.003;
-/// Balls farther away than the nearest one by more than this have no say: exp(−SEEN/η) is 4e-11 [m].
-const SEEN: f64 = 24.0 * EVENNESS;
+/// d₀ and d₁ [m].
+const LEVEL: (f64, f64) = (0.06, 0.12);
+/// Balls farther away than the nearest one by more than this have no say: exp(−SEEN/η) is 1e-7 [m].
+const SEEN: f64 = 16.0 * EVENNESS;
 
 /// Share of a row below which a ball's curvature does not count.
 const LEAST_SAY: f64 = 1e-10;
@@ -84,17 +91,44 @@ impl Part {
     }
 }
 
-/// One row: smooth least distance ≥ clearance [m].
+/// One row: levelled smooth least distance ≥ clearance [m].
 #[derive(Debug)]
 pub struct Distance {
-    /// Balls of a: centres in a and radii.
-    pub balls: Vec<(Vector3<f64>, f64)>,
-    /// What they avoid.
-    pub obstacle: Obstacle,
-    /// Where that is: pose of b in the obstacle's own frame.
-    pub obstacle_from_b: Pose,
-    /// Least distance [m]; may be negative for a tolerated overlap.
-    pub clearance: f64,
+    balls: Vec<Ball>,
+    bound: Ball,
+    obstacle: Obstacle,
+    obstacle_from_b: Pose,
+    clearance: f64,
+}
+
+/// Centre [m] and radius [m].
+pub type Ball = (Vector3<f64>, f64);
+
+/// A ball around balls (around their centres' mean; the origin for none).
+pub fn bounding_ball(balls: &[Ball]) -> Ball {
+    let mean = balls.iter().map(|b| b.0).sum::<Vector3<f64>>() / balls.len().max(1) as f64;
+    let radius = balls
+        .iter()
+        .map(|(c, r)| (c - mean).norm() + r)
+        .fold(0.0, f64::max);
+    (mean, radius)
+}
+
+/// φ and its first and second derivative.
+fn level(d: f64) -> (f64, f64, f64) {
+    let (from, to) = LEVEL;
+    let u = (d - from) / (to - from);
+    if u <= 0.0 {
+        (d, 1.0, 0.0)
+    } else if u < 1.0 {
+        (
+            from + (to - from) * (u - u.powi(3) + 0.5 * u.powi(4)),
+            1.0 - 3.0 * u * u + 2.0 * u.powi(3),
+            6.0 * (u * u - u) / (to - from),
+        )
+    } else {
+        (0.5 * (from + to), 0.0, 0.0)
+    }
 }
 
 /// Smooth box distance at p, the weights of the six faces and their sum.
@@ -109,10 +143,17 @@ fn faces(p: &Vector3<f64>, half: &Vector3<f64>) -> (f64, [f64; 6], f64) {
     let largest = faces.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let weights = faces.map(|d| {
         let far = (d - largest) / SHARPNESS;
-        if far < -30.0 { 0.0 } else { far.exp() }
+        if far >= 0.0 {
+            1.0
+        } else if far < -20.0 {
+            0.0
+        } else {
+            far.exp()
+        }
     });
     let sum: f64 = weights.iter().sum();
-    (largest + SHARPNESS * sum.ln(), weights, sum)
+    let blend = if sum > 1.0 { sum.ln() } else { 0.0 };
+    (largest + SHARPNESS * blend, weights, sum)
 }
 
 /// Value, gradient and Hessian of the smooth box distance at p.
@@ -183,56 +224,65 @@ impl Obstacle {
     }
 }
 
-/// A ball of a and a part of the obstacle.
-struct Near<'a> {
-    centre: &'a Vector3<f64>,
-    /// The centre in the obstacle's frame.
-    p: Vector3<f64>,
-    part: usize,
-    distance: f64,
-}
-
 impl Distance {
-    /// All pairs near enough to the nearest one to have a say. `x` is the pose of a in the obstacle's frame.
-    fn near<'a>(&'a self, x: &'a Pose) -> impl Iterator<Item = Near<'a>> + 'a {
-        let rough = move |(centre, radius): &'a (Vector3<f64>, f64)| {
-            let p = x.act(*centre);
-            (0..self.obstacle.parts()).map(move |part| {
-                let distance = self.obstacle.rough_distance(part, &p) - radius;
-                (centre, *radius, p, part, distance)
-            })
-        };
-        let least = self
-            .balls
-            .iter()
-            .flat_map(rough)
-            .map(|(.., distance)| distance)
-            .fold(f64::INFINITY, f64::min);
-        self.balls
-            .iter()
-            .flat_map(rough)
-            .filter(move |(.., distance)| *distance < least + SEEN)
-            .map(|(centre, radius, p, part, _)| Near {
-                centre,
-                p,
-                part,
-                distance: self.obstacle.distance(part, &p) - radius,
-            })
+    /// `balls` of a with centres in a, `obstacle` in the frame that `obstacle_from_b` leads to, least distance
+    /// `clearance` [m], which may be negative for a tolerated overlap.
+    pub fn new(
+        balls: Vec<Ball>,
+        obstacle: Obstacle,
+        obstacle_from_b: Pose,
+        clearance: f64,
+    ) -> Self {
+        Self {
+            bound: bounding_ball(&balls),
+            balls,
+            obstacle,
+            obstacle_from_b,
+            clearance,
+        }
     }
 
-    /// Least distance, and Σ exp((least − d_k)/η).
-    fn sum(&self, x: &Pose) -> (f64, f64) {
-        let (mut least, mut sum) = (f64::INFINITY, 0.0);
-        for near in self.near(x) {
-            let d = near.distance;
-            if d < least {
-                sum = sum * ((d - least) / EVENNESS).exp() + 1.0;
-                least = d;
-            } else {
-                sum += ((least - d) / EVENNESS).exp();
+    /// True if the row has levelled out whatever the details. `x` is the pose of a in the obstacle's frame.
+    fn is_far(&self, x: &Pose) -> bool {
+        let pairs = (self.balls.len() * self.obstacle.parts()) as f64;
+        let blur = EVENNESS * pairs.ln();
+        self.obstacle.roughly_nearest(&x.act(self.bound.0)) - self.bound.1 > LEVEL.1 + blur
+    }
+
+    /// Calls `see(centre in a, centre in the obstacle's frame, radius, part)` for all pairs near enough to the nearest
+    /// one to have a say, and returns a lower bound of all distances.
+    fn near(
+        &self,
+        x: &Pose,
+        mut see: impl FnMut(f64, &Vector3<f64>, &Vector3<f64>, f64, usize),
+    ) -> f64 {
+        let parts = self.obstacle.parts();
+        let mut least = f64::INFINITY;
+        for (centre, radius) in &self.balls {
+            let p = x.act(*centre);
+            for part in 0..parts {
+                least = least.min(self.obstacle.rough_distance(part, &p) - radius);
             }
         }
-        (least, sum)
+        for (centre, radius) in &self.balls {
+            let p = x.act(*centre);
+            for part in 0..parts {
+                if self.obstacle.rough_distance(part, &p) - radius < least + SEEN {
+                    see(least, centre, &p, *radius, part);
+                }
+            }
+        }
+        least
+    }
+
+    /// Smooth least distance.
+    fn smooth(&self, x: &Pose) -> f64 {
+        let mut sum = 0.0;
+        let least = self.near(x, |least, _, p, radius, part| {
+            let d = self.obstacle.distance(part, p) - radius;
+            sum += ((least - d) / EVENNESS).exp();
+        });
+        least - EVENNESS * sum.ln()
     }
 }
 
@@ -247,42 +297,56 @@ impl PoseTerm for Distance {
         vec![(self.clearance, f64::INFINITY)]
     }
     fn values(&self, b_from_a: &Pose, out: &mut [f64]) {
-        let (least, sum) = self.sum(&(self.obstacle_from_b * *b_from_a));
-        out[0] = least - EVENNESS * sum.ln();
+        let x = self.obstacle_from_b * *b_from_a;
+        let d = if self.is_far(&x) {
+            f64::INFINITY
+        } else {
+            self.smooth(&x)
+        };
+        out[0] = level(d).0;
     }
     fn gradients(&self, b_from_a: &Pose, out: &mut [Vector6<f64>]) {
-        let x = self.obstacle_from_b * *b_from_a;
-        let (least, sum) = self.sum(&x);
-        out[0] = Vector6::zeros();
-        for near in self.near(&x) {
-            let weight = ((least - near.distance) / EVENNESS).exp() / sum;
-            let (_, gradient, _) = self.obstacle.derivatives(near.part, &near.p);
-            out[0] += point_gradient(&x, near.centre, &gradient) * weight;
-        }
+        self.derivatives(b_from_a, &[0.0], out);
     }
     fn hessian(&self, b_from_a: &Pose, weights: &[f64]) -> Matrix6<f64> {
-        // A row far from its bound has a vanishing multiplier and no say in the curvature.
-        if weights[0].abs() < 1e-9 {
+        self.derivatives(b_from_a, weights, &mut [Vector6::zeros()])
+    }
+    fn derivatives(
+        &self,
+        b_from_a: &Pose,
+        weights: &[f64],
+        gradients: &mut [Vector6<f64>],
+    ) -> Matrix6<f64> {
+        let x = self.obstacle_from_b * *b_from_a;
+        gradients[0] = Vector6::zeros();
+        if self.is_far(&x) {
             return Matrix6::zeros();
         }
-        let x = self.obstacle_from_b * *b_from_a;
-        let (least, sum) = self.sum(&x);
-        let (mut curvature, mut squares, mut mean) =
-            (Matrix6::zeros(), Matrix6::zeros(), Vector6::zeros());
-        for near in self.near(&x) {
-            let weight = ((least - near.distance) / EVENNESS).exp() / sum;
-            if weight < LEAST_SAY {
-                continue;
+        // A row far from its bound has a vanishing multiplier and no say in the curvature.
+        let curved = weights[0].abs() > 1e-9;
+        let (mut sum, mut mean) = (0.0, Vector6::zeros());
+        let (mut curvature, mut squares) = (Matrix6::zeros(), Matrix6::zeros());
+        let least = self.near(&x, |least, centre, p, radius, part| {
+            let (d, g, h) = self.obstacle.derivatives(part, p);
+            let share = ((least - d + radius) / EVENNESS).exp();
+            let gradient = point_gradient(&x, centre, &g);
+            sum += share;
+            mean += gradient * share;
+            if curved && share > LEAST_SAY {
+                let j = point_jacobian(&x, centre);
+                curvature += (j.transpose() * h * j + point_hessian(&x, centre, &g)) * share;
+                squares += gradient * gradient.transpose() * share;
             }
-            let (_, slope, bend) = self.obstacle.derivatives(near.part, &near.p);
-            let gradient = point_gradient(&x, near.centre, &slope);
-            let j = point_jacobian(&x, near.centre);
-            let own = point_hessian(&x, near.centre, &slope);
-            curvature += (j.transpose() * bend * j + own) * weight;
-            squares += gradient * gradient.transpose() * weight;
-            mean += gradient * weight;
+        });
+        let (_, slope, bend) = level(least - EVENNESS * sum.ln());
+        mean /= sum;
+        gradients[0] = mean * slope;
+        if !curved || slope == 0.0 {
+            return Matrix6::zeros();
         }
-        (curvature - (squares - mean * mean.transpose()) / EVENNESS) * weights[0]
+        let square_of_mean = mean * mean.transpose();
+        let even = curvature / sum - (squares / sum - square_of_mean) / EVENNESS;
+        (even * slope + square_of_mean * bend) * weights[0]
     }
 }
 
@@ -290,13 +354,8 @@ impl PoseTerm for Distance {
 mod tests {
     use super::*;
 
-    fn row(balls: Vec<(Vector3<f64>, f64)>, obstacle: Obstacle, pose: &Pose) -> f64 {
-        let term = Distance {
-            balls,
-            obstacle,
-            obstacle_from_b: Pose::identity(),
-            clearance: 0.0,
-        };
+    fn row(balls: Vec<Ball>, obstacle: Obstacle, pose: &Pose) -> f64 {
+        let term = Distance::new(balls, obstacle, Pose::identity(), 0.0);
         let mut out = [f64::NAN];
         term.values(pose, &mut out);
         out[0]
@@ -320,6 +379,12 @@ mod tests {
         let high = Pose::from_translation(0.0, 0.0, 0.1);
         let two = row(vec![at(-0.1), at(0.1)], Obstacle::HalfSpace, &high);
         assert!((two - (0.05 - EVENNESS * 2.0_f64.ln())).abs() < 1e-12);
+        let away = row(
+            vec![at(0.0)],
+            Obstacle::HalfSpace,
+            &Pose::from_translation(0.0, 0.0, 5.0),
+        );
+        assert!((away - 0.09).abs() < 1e-12, "levelled out: {away}");
         let far = (Vector3::new(0.0, 0.0, 0.5), 0.05);
         let one = row(vec![at(0.0), far], Obstacle::HalfSpace, &high);
         assert!((one - 0.05).abs() < 1e-12);

@@ -40,6 +40,16 @@ pub trait PoseTerm: std::fmt::Debug + Send + Sync {
     fn gradients(&self, b_from_a: &Pose, out: &mut [Vector6<f64>]);
     /// Hessian of Σ weight · row by increments of a (exponential chart).
     fn hessian(&self, b_from_a: &Pose, weights: &[f64]) -> Matrix6<f64>;
+    /// Gradients and Hessian at once, for terms that save work by it.
+    fn derivatives(
+        &self,
+        b_from_a: &Pose,
+        weights: &[f64],
+        gradients: &mut [Vector6<f64>],
+    ) -> Matrix6<f64> {
+        self.gradients(b_from_a, gradients);
+        self.hessian(b_from_a, weights)
+    }
 }
 
 /// Second derivatives of a function of pose increments ξ and a wrench w.

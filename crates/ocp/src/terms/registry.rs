@@ -16,12 +16,7 @@ pub fn pose_terms() -> Vec<Box<dyn PoseTerm>> {
         (Vector3::new(0.1, -0.2, 0.05), 0.04),
         (Vector3::new(-0.3, 0.0, 0.1), 0.02),
     ];
-    let distance = |obstacle| Distance {
-        balls: balls.clone(),
-        obstacle,
-        obstacle_from_b: Pose::random(4),
-        clearance: 0.01,
-    };
+    let distance = |obstacle| Distance::new(balls.clone(), obstacle, Pose::random(4), 0.01);
     let half = Vector3::new(0.3, 0.2, 0.4);
     let sigmoid = |obstacle| Sigmoid {
         points: balls.clone(),
