@@ -19,6 +19,11 @@ use multibody::Kinematics;
 use scene::{Owner, PlacedShape, Role, Scene, Shape};
 use spatial::Pose;
 
+/// Joints between a link and the root of its limb from which on it swings about: knees, shins, feet, forearms, hands.
+const LIMB: usize = 4;
+/// Distance from which on two such links of different limbs get a row [m].
+const NEAR_LIMBS: f64 = 0.35;
+
 /// The body that a ball avoids: a joint, or a static body.
 pub type Other = Result<usize, usize>;
 
@@ -52,12 +57,14 @@ impl Primitive {
 }
 
 /// Two links of the robot that must not touch, the balls of one and the parts of the other, and their distance in the home
-/// posture [m].
+/// posture.
 #[derive(Debug, Clone, Copy)]
 struct SelfPair {
     a: usize,
     b: usize,
     at_home: f64,
+    /// Distance from which on they get a row [m].
+    near: f64,
 }
 
 /// Balls and obstacles of a scene.
@@ -141,7 +148,7 @@ impl CollisionModel {
             }
             out
         };
-        let mut pairs = Vec::new();
+        let mut out = Vec::new();
         for a in 0..system.n_robot_joints {
             for b in 0..a {
                 if self.balls[a].is_empty() || self.balls[b].is_empty() {
@@ -164,11 +171,18 @@ impl CollisionModel {
                 };
                 let at_home = self.link_distance(&kinematics, a, b);
                 if at_home > 0.0 {
-                    pairs.push(SelfPair { a, b, at_home });
+                    let limbs = steps(&pa).min(steps(&pb)) >= LIMB;
+                    let near = if limbs { NEAR_LIMBS } else { pairs::NEAR };
+                    out.push(SelfPair {
+                        a,
+                        b,
+                        at_home,
+                        near,
+                    });
                 }
             }
         }
-        pairs
+        out
     }
 
     fn link_distance(&self, kinematics: &Kinematics, a: usize, b: usize) -> f64 {

@@ -13,7 +13,7 @@ use scene::Scene;
 use spatial::Pose;
 
 /// A pair of bodies nearer than this in the guide configurations gets a row [m].
-const NEAR: f64 = 0.15;
+pub(super) const NEAR: f64 = 0.15;
 /// Nodes before and after a node whose guide configurations count for it: phases shift while they are optimised.
 const WINDOW: usize = 2;
 /// What the smooth least distance may fall short of the true one where a keyframe must not be rejected [m].
@@ -232,7 +232,7 @@ impl CollisionModel {
             .collect();
         let near = |(centre, radius): &Ball, part: &Part| {
             let mut points = poses.iter().map(|x| x.act(*centre));
-            points.any(|p| part.rough_distance(&p) - radius < NEAR)
+            points.any(|p| part.rough_distance(&p) - radius < pair.near)
         };
         let bound = self.bounds[pair.a];
         let parts = self.parts[pair.b].iter();
