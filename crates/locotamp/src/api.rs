@@ -25,7 +25,7 @@ impl Default for Request {
             preset: Preset::Default,
             seed: 0,
             time_limit: f64::INFINITY,
-            solutions: 1,
+            solutions: 4,
             max_optimised: 200,
         }
     }
