@@ -62,7 +62,8 @@ impl Builder<'_> {
                 a.mu.min(b.mu) * margins.friction,
                 a.mu_r.min(b.mu_r) * margins.friction,
             );
-            let epsilon = 0.01 * force;
+            // Blunts the tip of the cone by as much of the normal force whatever μ is.
+            let epsilon = 0.015 * mu * force;
             let mut terms: Vec<Arc<dyn ForceTerm>> = Vec::new();
             match contact.kind {
                 ContactType::UnilateralPatch => {
