@@ -202,7 +202,7 @@ impl Run<'_> {
         };
         attempt.cost = Some(motion.report.objective);
         attempt.iterations = motion.iterations;
-        attempt.reason = motion.worst.as_ref().map(|w| summary::words(self.scene, w));
+        attempt.reason = summary::resistance(self.scene, &motion);
         let (feasible, cost, reason) = (
             motion.feasible,
             motion.report.objective,

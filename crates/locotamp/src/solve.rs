@@ -192,7 +192,7 @@ fn no_motion(scene: &Scene, motion: &Motion, ended: Option<String>) -> Option<St
     if motion.feasible {
         return None;
     }
-    let words = motion.worst.as_ref().map(|w| summary::words(scene, w));
+    let words = summary::resistance(scene, motion);
     let words =
         words.unwrap_or_else(|| format!("the optimiser ended as {:?}", motion.report.status));
     Some(match ended {

@@ -52,8 +52,8 @@ pub(crate) fn body_name(scene: &Scene, system: &System, body: Result<usize, usiz
     }
 }
 
-/// A violated row in plain words.
-pub(crate) fn words(scene: &Scene, worst: &Worst) -> String {
+/// What a row speaks of: joint, contact, pair of bodies or goal.
+fn subject(scene: &Scene, worst: &Worst) -> String {
     let name = |i: symbolic::InterfaceId| scene.interfaces[i.0].name.as_str();
     let joint = |v: usize| {
         let robot = scene
@@ -73,7 +73,7 @@ pub(crate) fn words(scene: &Scene, worst: &Worst) -> String {
             None => object().map_or_else(String::new, |o| o.name.clone()),
         }
     };
-    let subject = match worst.label.subject {
+    match worst.label.subject {
         Subject::Coordinate(v) => joint(v),
         Subject::Contact(c) => format!("{} on {}", name(c.a), name(c.b)),
         Subject::Pair(a, b) => {
@@ -88,7 +88,11 @@ pub(crate) fn words(scene: &Scene, worst: &Worst) -> String {
             )
         }
         Subject::Goal => "the goal".into(),
-    };
+    }
+}
+
+/// A violated row in plain words.
+pub(crate) fn words(scene: &Scene, worst: &Worst) -> String {
     let Worst {
         label,
         phase,
@@ -96,11 +100,27 @@ pub(crate) fn words(scene: &Scene, worst: &Worst) -> String {
         ..
     } = worst;
     format!(
-        "{} of {subject}: {amount:.2e} {} off, in phase {}",
+        "{} of {}: {amount:.2e} {} off, in phase {}",
         label.category,
+        subject(scene, worst),
         label.unit,
         phase + 1
     )
+}
+
+/// Why a motion was not found: what is violated most, and which limit pulls hardest against it.
+pub(crate) fn resistance(scene: &Scene, motion: &Motion) -> Option<String> {
+    let worst = motion.worst.as_ref()?;
+    let text = words(scene, worst);
+    Some(match &motion.hardest {
+        Some(h) if h.label != worst.label => format!(
+            "{text}; what limits it most is the {} of {}, in phase {}",
+            h.label.category,
+            subject(scene, h),
+            h.phase + 1
+        ),
+        _ => text,
+    })
 }
 
 /// Summarises a motion.

@@ -68,6 +68,8 @@ pub struct Motion {
     pub feasible: bool,
     /// What is violated most, if anything is.
     pub worst: Option<Worst>,
+    /// The limit that pulls hardest against what is violated: the inequality with the largest multiplier.
+    pub hardest: Option<Worst>,
 }
 
 /// What a planner needs for one scene, made once.
@@ -251,7 +253,9 @@ impl<'a> Planner<'a> {
                 }
             }
             let worst = worst_row(&trajectory.program, &report, 1e-7).filter(|_| !solved);
+            let hardest = hardest_limit(&trajectory.program, &report).filter(|_| !solved);
             return Motion {
+                hardest,
                 trajectory,
                 point,
                 report,
@@ -345,4 +349,28 @@ pub fn worst_row(program: &Program, report: &Report, least: f64) -> Option<Worst
         }
     }
     worst
+}
+
+/// The inequality row with the largest multiplier, and its violation (zero if it is none).
+pub fn hardest_limit(program: &Program, report: &Report) -> Option<Worst> {
+    let mut hardest: Option<(f64, Worst)> = None;
+    let mut row = 0;
+    for (t, element) in program.structure.elements.iter().enumerate() {
+        for (l, u) in element.row_lower.iter().zip(&element.row_upper) {
+            let pull = report.multipliers[row].abs();
+            if l < u && pull > hardest.as_ref().map_or(0.0, |h| h.0) {
+                let label = program.labels[row].clone();
+                let value = report.rows[row];
+                let worst = Worst {
+                    phase: program.phase_of(t),
+                    interval: t,
+                    amount: (l - value).max(value - u).max(0.0) * label.scale,
+                    label,
+                };
+                hardest = Some((pull, worst));
+            }
+            row += 1;
+        }
+    }
+    hardest.map(|h| h.1)
 }
