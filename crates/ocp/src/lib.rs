@@ -7,7 +7,7 @@ mod chain;
 pub mod collision;
 mod derivatives;
 mod difference;
-pub mod guess;
+mod guess;
 mod momentum;
 pub mod motion;
 mod point;

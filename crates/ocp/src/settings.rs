@@ -61,8 +61,10 @@ impl Default for Weights {
 pub struct Margins {
     /// Share of the friction coefficients that may be used.
     pub friction: f64,
-    /// Share of a patch's extent that the centre of pressure may use.
+    /// Share of a foot's or palm's extent that the centre of pressure may use.
     pub pressure: f64,
+    /// The same where an object stands on something.
+    pub support: f64,
     /// Share of the torque limits that may be used.
     pub torque: f64,
     /// Distance kept from joint limits [rad or m].
@@ -86,6 +88,7 @@ impl Margins {
         Self {
             friction: 0.8,
             pressure: 0.5,
+            support: 0.9,
             torque: 0.9,
             joint_range: 0.02,
             velocity: 0.8,
@@ -101,6 +104,7 @@ impl Margins {
         Self {
             friction: 1.0,
             pressure: 1.0,
+            support: 1.0,
             torque: 1.0,
             joint_range: 0.0,
             velocity: 1.0,

@@ -24,6 +24,9 @@ const LIMB: usize = 4;
 /// Distance from which on two such links of different limbs get a row [m].
 const NEAR_LIMBS: f64 = 0.35;
 
+/// Joints up and down a limb from a contact within which links may come as near as they like to what it touches.
+const NEIGHBOURS: usize = 2;
+
 /// The body that a ball avoids: a joint, or a static body.
 pub type Other = Result<usize, usize>;
 
@@ -77,6 +80,8 @@ pub struct CollisionModel {
     parts: Vec<Vec<Part>>,
     primitives: Vec<Primitive>,
     self_pairs: Vec<SelfPair>,
+    /// Joints within a few of each joint, up and down its limb.
+    neighbours: Vec<Vec<usize>>,
     feet: Vec<bool>,
     hands: Vec<bool>,
 }
@@ -126,6 +131,7 @@ impl CollisionModel {
             parts: link_parts,
             primitives,
             self_pairs: vec![],
+            neighbours: neighbours(system),
             feet: carries(Role::Foot),
             hands: carries(Role::Hand),
         };
@@ -339,6 +345,20 @@ impl CollisionModel {
         }
         out
     }
+}
+
+/// Joints at most [`NEIGHBOURS`] up or down the tree from each joint.
+fn neighbours(system: &System) -> Vec<Vec<usize>> {
+    let joints = &system.model.joints;
+    let mut out = vec![vec![]; joints.len()];
+    for a in 0..joints.len() {
+        let up = std::iter::successors(joints[a].parent, |&j| joints[j].parent);
+        for b in up.take(NEIGHBOURS) {
+            out[a].push(b);
+            out[b].push(a);
+        }
+    }
+    out
 }
 
 fn primitive(joint: Option<usize>, body: Option<usize>, placed: &PlacedShape) -> Primitive {

@@ -145,7 +145,9 @@ impl CollisionModel {
                     })
                 } else {
                     let more = extra.get(&(at.node, a, other)).copied().unwrap_or(0.0);
-                    let clearance = self.clearance(program, a, primitive, since) + more;
+                    let neighbours = self.neighbours[a].iter();
+                    let beside = neighbours.filter_map(|&j| (at.since)(j, other)).min();
+                    let clearance = self.clearance(program, a, primitive, since, beside) + more;
                     Arc::new(Distance::new(balls, obstacle, obstacle_from_b, clearance))
                 };
                 out.push(Pair {
@@ -158,13 +160,15 @@ impl CollisionModel {
         }
     }
 
-    /// Clearance demanded of a body and a primitive that touched `since` nodes away.
+    /// Clearance demanded of a body and a primitive that touched `since` nodes away, the body's neighbours in the limb
+    /// `beside` nodes away: a wrist is as near to a box as the hand that holds it makes it.
     fn clearance(
         &self,
         program: &Program,
         a: usize,
         primitive: &Primitive,
         since: Option<usize>,
+        beside: Option<usize>,
     ) -> f64 {
         let margins = &program.settings.margins;
         let full = if self.feet[a] && primitive.joint.is_none() {
@@ -172,10 +176,19 @@ impl CollisionModel {
         } else {
             margins.clearance
         };
+        let stride = if program.grid == Grid::Path {
+            PATH_STRIDE
+        } else {
+            1
+        };
+        // Neighbours are one node later on the ramp: no clearance, but no overlap either.
+        let nodes = match (since.map(|d| d * stride), beside.map(|d| d * stride + 1)) {
+            (Some(own), Some(other)) => Some(own.min(other)),
+            (own, other) => own.or(other),
+        };
         match program.grid {
             Grid::Keyframes | Grid::OpenKeyframes => -BLUR,
-            Grid::Path => Self::ramp(full, since.map(|d| d * PATH_STRIDE)),
-            Grid::Motion => Self::ramp(full, since),
+            Grid::Path | Grid::Motion => Self::ramp(full, nodes),
         }
     }
 

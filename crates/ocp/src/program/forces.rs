@@ -64,6 +64,10 @@ impl Builder<'_> {
             );
             // Blunts the tip of the cone by as much of the normal force whatever μ is.
             let epsilon = 0.015 * mu * force;
+            let pressure = match a.owner {
+                Owner::Robot { .. } => margins.pressure,
+                _ => margins.support,
+            };
             let mut terms: Vec<Arc<dyn ForceTerm>> = Vec::new();
             match contact.kind {
                 ContactType::UnilateralPatch => {
@@ -75,12 +79,12 @@ impl Builder<'_> {
                     terms.push(Arc::new(Torsion::new(mu_r, moment)));
                     if let Some([x, y]) = a.half_size {
                         terms.push(Arc::new(Pressure::new(
-                            [x * margins.pressure, y * margins.pressure],
+                            [x * pressure, y * pressure],
                             moment,
                         )));
                     }
                     if let (true, Some([x, y])) = (b.overhang, b.half_size) {
-                        let half_size = [x * margins.pressure, y * margins.pressure];
+                        let half_size = [x * pressure, y * pressure];
                         terms.push(Arc::new(SupportPressure {
                             half_size,
                             scale: moment,
