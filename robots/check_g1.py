@@ -26,7 +26,7 @@ from scipy.spatial import ConvexHull, cKDTree
 HERE = Path(__file__).parent
 MAX_UNCOVERED = 0.020          # m: mesh point outside the shapes
 MAX_BULGE = 0.030              # m: shape point outside the mesh
-PALM_TOLERANCE = 0.001         # m: the palm's plane from heel and finger tips
+PALM_TOLERANCE = 0.001         # m: the palm's plane from wrist and finger tips
 NUMBERS = 1e-12                # relative: mass matrix and inverse dynamics
 
 
@@ -342,6 +342,9 @@ def check_interfaces(r, model, robot, shapes, meshes):
             r.line(f"{i['name']}: corners outside the flat part of the mesh", max(0, (corner @ edge[:, :2].T + edge[:, 2]).max()), 0)
             r.line(f"{i['name']}: face of a box from the patch", face, 1e-4)
         else:
+            # The wrist's housing is part of the last link.
+            local = trimesh.util.concatenate([m.copy() for _, m in meshes[frame.parentJoint]])
+            local.apply_transform(patch.inverse().homogeneous)
             touching = local.vertices[local.vertices[:, 2] > local.vertices[:, 2].max() - 0.003]
             r.line(f"{i['name']}: plane from the mesh", abs(local.vertices[:, 2].max()), PALM_TOLERANCE)
             r.line(f"{i['name']}: patch beyond what touches the plane", max(0, hx - np.ptp(touching[:, 0]) / 2), 0)
