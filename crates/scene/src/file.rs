@@ -380,7 +380,7 @@ pub(crate) struct SearchEntry {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a table of optimiser options")]
 pub(crate) struct OptimiserEntry {
-    /// Intervals per phase; default 12.
+    /// Intervals per phase; default 16.
     pub steps: Option<At<usize>>,
     /// Shortest phase [s]; default 0.25.
     pub min_duration: Option<At<f64>>,

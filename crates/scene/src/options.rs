@@ -27,7 +27,7 @@ impl Default for SearchOptions {
 impl Default for OptimiserOptions {
     fn default() -> Self {
         Self {
-            steps: 12,
+            steps: 16,
             min_duration: 0.25,
             max_duration: 1.2,
             torque_limits: true,
