@@ -83,7 +83,9 @@ pub struct CollisionModel {
     /// Joints within a few of each joint, up and down its limb.
     neighbours: Vec<Vec<usize>>,
     feet: Vec<bool>,
-    hands: Vec<bool>,
+    /// What the paper's penalties see of a body: a point per end-effector, the centre of an object's shapes with their
+    /// smallest half size.
+    points: Vec<Vec<Ball>>,
 }
 
 impl CollisionModel {
@@ -133,7 +135,7 @@ impl CollisionModel {
             self_pairs: vec![],
             neighbours: neighbours(system),
             feet: carries(Role::Foot),
-            hands: carries(Role::Hand),
+            points: penalty_points(scene, system),
         };
         model.self_pairs = model.find_self_pairs(scene, system);
         model
@@ -345,6 +347,31 @@ impl CollisionModel {
         }
         out
     }
+}
+
+/// End-effector frames and centres of objects, for the paper's eq. (penalties).
+fn penalty_points(scene: &Scene, system: &System) -> Vec<Vec<Ball>> {
+    let mut out = vec![vec![]; system.model.joints.len()];
+    for interface in &scene.interfaces {
+        let carrier = system.carrier(interface.owner, &interface.body_from_interface);
+        let end_effector = matches!(interface.role, Role::Foot | Role::Hand);
+        if let (true, Owner::Robot { .. }, Body::Joint(j)) =
+            (end_effector, interface.owner, carrier.body)
+        {
+            out[j].push((carrier.body_from_frame.origin(), 0.0));
+        }
+    }
+    for (o, object) in scene.objects.iter().enumerate() {
+        for placed in &object.shapes {
+            let radius = match &placed.shape {
+                Shape::Box { half_size } => half_size.min(),
+                Shape::Sphere { radius } | Shape::Capsule { radius, .. } => *radius,
+                Shape::HalfSpace => continue,
+            };
+            out[system.object_joint(o)].push((placed.body_from_shape.origin(), radius));
+        }
+    }
+    out
 }
 
 /// Joints at most [`NEIGHBOURS`] up or down the tree from each joint.

@@ -22,6 +22,8 @@ const BLUR: f64 = 1.4 * EVENNESS;
 const RAMP: (f64, f64) = (-0.008, 0.008);
 /// Nodes of a motion to which one of a path corresponds, for the growth of clearances.
 const PATH_STRIDE: usize = 3;
+/// Half length from which on a link's box counts for the penalties: torso, thighs, shins, forearms [m].
+const LARGE_BOX: f64 = 0.07;
 /// Slope of the sigmoid penalties of the paper preset [1/m] (the yardstick's).
 const SIGMOID_SLOPE: f64 = 40.0;
 
@@ -97,6 +99,8 @@ impl CollisionModel {
             self.obstacle_pairs(program, &at, extra, &mut out);
             if program.settings.preset == Preset::Default {
                 self.link_pairs(program, &at, &mut out);
+            } else {
+                self.link_penalties(&at, &mut out);
             }
         }
         out
@@ -113,7 +117,7 @@ impl CollisionModel {
         let paper = program.settings.preset == Preset::Paper;
         for a in 0..self.balls.len() {
             // The paper penalises end-effectors and objects, not every link.
-            if paper && a < program.system.n_robot_joints && !self.feet[a] && !self.hands[a] {
+            if paper && self.points[a].is_empty() {
                 continue;
             }
             for primitive in &self.primitives {
@@ -128,7 +132,7 @@ impl CollisionModel {
                     continue;
                 }
                 let balls = if paper {
-                    self.balls[a].clone()
+                    self.points[a].clone()
                 } else {
                     self.balls_near(a, primitive, at.window)
                 };
@@ -206,6 +210,41 @@ impl CollisionModel {
                 .any(|x| primitive.obstacle.roughly_nearest(&x.act(*c)) - r < NEAR)
         };
         self.balls[a].iter().filter(near).copied().collect()
+    }
+
+    /// The paper's penalties of end-effectors and objects against the boxes of torso, shins and forearms.
+    fn link_penalties(&self, at: &At<'_>, out: &mut Vec<Pair>) {
+        for a in 0..self.points.len() {
+            if self.points[a].is_empty() {
+                continue;
+            }
+            for b in 0..self.parts.len() {
+                let near =
+                    a == b || self.neighbours[a].contains(&b) || (at.since)(a, Ok(b)) == Some(0);
+                if near {
+                    continue;
+                }
+                for part in &self.parts[b] {
+                    let Part::Box(obstacle_from_b, half) = part else {
+                        continue;
+                    };
+                    if half.max() < LARGE_BOX {
+                        continue;
+                    }
+                    out.push(Pair {
+                        node: at.node,
+                        a,
+                        b: Some(b),
+                        term: Arc::new(Sigmoid {
+                            points: self.points[a].clone(),
+                            obstacle: Obstacle::Box(*half),
+                            obstacle_from_b: *obstacle_from_b,
+                            slope: SIGMOID_SLOPE,
+                        }),
+                    });
+                }
+            }
+        }
     }
 
     /// Links of the robot against one another.
