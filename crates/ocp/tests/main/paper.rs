@@ -1,6 +1,6 @@
 //! The paper's preset on the G1: given contact sequences of the scene "yardstick" converge.
 //!
-//! Run with `--release -- --ignored --nocapture`; each test prints iterations and time.
+//! Run with `--release -- --nocapture` to see that each test prints iterations and time.
 
 use ocp::{Motion, Phase, Planner, Preset, Settings};
 use scene::Scene;
@@ -74,7 +74,6 @@ fn converges(name: &str, states: &[&[Pair]], steps: usize) {
 }
 
 #[test]
-#[ignore = "slow: the G1, two side steps"]
 fn side_steps_converge() {
     let both: &[Pair] = &[LEFT, RIGHT, ON_A];
     converges(
@@ -85,7 +84,6 @@ fn side_steps_converge() {
 }
 
 #[test]
-#[ignore = "slow: the G1 and a box"]
 fn carrying_a_box_with_fixed_feet_converges() {
     converges(
         "fixed",
