@@ -16,6 +16,7 @@ use crate::relative::{Body, Carrier, RelativeFrame};
 use crate::system::System;
 use crate::terms::distance::{Ball, Obstacle, Part, bounding_ball};
 use multibody::Kinematics;
+use nalgebra::Vector3;
 use scene::{Owner, PlacedShape, Role, Scene, Shape};
 use spatial::Pose;
 
@@ -24,6 +25,8 @@ const LIMB: usize = 4;
 /// Distance from which on two such links of different limbs get a row [m].
 const NEAR_LIMBS: f64 = 0.35;
 
+/// Half length from which on a link's box counts for the penalties: torso, thighs, shins, forearms [m].
+const LARGE_BOX: f64 = 0.07;
 /// Joints up and down a limb from a contact within which links may come as near as they like to what it touches.
 const NEIGHBOURS: usize = 2;
 
@@ -86,6 +89,8 @@ pub struct CollisionModel {
     /// What the paper's penalties see of a body: a point per end-effector, the centre of an object's shapes with their
     /// smallest half size.
     points: Vec<Vec<Ball>>,
+    /// The same for the boxes of torso, thighs, shins and forearms, against objects and the environment.
+    link_points: Vec<Vec<Ball>>,
 }
 
 impl CollisionModel {
@@ -130,12 +135,13 @@ impl CollisionModel {
         let mut model = Self {
             bounds: balls.iter().map(|b| bounding_ball(b)).collect(),
             balls,
-            parts: link_parts,
+            parts: link_parts.clone(),
             primitives,
             self_pairs: vec![],
             neighbours: neighbours(system),
             feet: carries(Role::Foot),
             points: penalty_points(scene, system),
+            link_points: link_parts.iter().map(|p| link_penalty_points(p)).collect(),
         };
         model.self_pairs = model.find_self_pairs(scene, system);
         model
@@ -369,6 +375,25 @@ fn penalty_points(scene: &Scene, system: &System) -> Vec<Vec<Ball>> {
                 Shape::HalfSpace => continue,
             };
             out[system.object_joint(o)].push((placed.body_from_shape.origin(), radius));
+        }
+    }
+    out
+}
+
+/// Three balls along each large box of a link.
+fn link_penalty_points(parts: &[Part]) -> Vec<Ball> {
+    let mut out = Vec::new();
+    for part in parts {
+        let Part::Box(box_from_link, half) = part else {
+            continue;
+        };
+        if half.max() < LARGE_BOX {
+            continue;
+        }
+        let link_from_box = box_from_link.inverse();
+        let along = Vector3::ith(half.imax(), half.max() - half.min());
+        for s in [-1.0, 0.0, 1.0] {
+            out.push((link_from_box.act(along * s), half.min()));
         }
     }
     out

@@ -22,8 +22,6 @@ const BLUR: f64 = 1.4 * EVENNESS;
 const RAMP: (f64, f64) = (-0.008, 0.008);
 /// Nodes of a motion to which one of a path corresponds, for the growth of clearances.
 const PATH_STRIDE: usize = 3;
-/// Half length from which on a link's box counts for the penalties: torso, thighs, shins, forearms [m].
-const LARGE_BOX: f64 = 0.07;
 /// Slope of the sigmoid penalties of the paper preset [1/m] (the yardstick's).
 const SIGMOID_SLOPE: f64 = 40.0;
 
@@ -117,7 +115,7 @@ impl CollisionModel {
         let paper = program.settings.preset == Preset::Paper;
         for a in 0..self.balls.len() {
             // The paper penalises end-effectors and objects, not every link.
-            if paper && self.points[a].is_empty() {
+            if paper && self.points[a].is_empty() && self.link_points[a].is_empty() {
                 continue;
             }
             for primitive in &self.primitives {
@@ -132,7 +130,7 @@ impl CollisionModel {
                     continue;
                 }
                 let balls = if paper {
-                    self.points[a].clone()
+                    [&self.points[a][..], &self.link_points[a]].concat()
                 } else {
                     self.balls_near(a, primitive, at.window)
                 };
@@ -228,7 +226,7 @@ impl CollisionModel {
                     let Part::Box(obstacle_from_b, half) = part else {
                         continue;
                     };
-                    if half.max() < LARGE_BOX {
+                    if half.max() < super::LARGE_BOX {
                         continue;
                     }
                     out.push(Pair {

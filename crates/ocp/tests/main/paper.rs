@@ -1,6 +1,6 @@
 //! The paper's preset on the G1: given contact sequences of the scene "yardstick" converge.
 //!
-//! Run with `--release -- --nocapture` to see that each test prints iterations and time.
+//! Run with `--release -- --nocapture`: each test prints iterations and time.
 
 use ocp::{Motion, Phase, Planner, Preset, Settings};
 use scene::Scene;
