@@ -14,7 +14,7 @@ use solver::{InteriorPoint, Iteration, Options, Problem, Report, Status, Timing}
 const REPAIRS: usize = 4;
 /// Configurations of a path per phase.
 const PATH_STEPS: usize = 4;
-/// Rounds of solving keyframes with more collision pairs.
+/// Rounds of solving keyframes or a path with more collision pairs.
 const KEYFRAME_REPAIRS: usize = 3;
 /// Overlap half-way between two nodes that is tolerated [m].
 const BETWEEN_TOLERANCE: f64 = 0.002;
@@ -151,8 +151,8 @@ impl<'a> Planner<'a> {
         unreachable!("the loop returns in its last round")
     }
 
-    /// Configurations for all nodes of a motion: through a path around obstacles where one is found, else straight from
-    /// keyframe to keyframe.
+    /// Configurations for all nodes of a motion, through a path around obstacles, or through the least violated one if none
+    /// is found.
     pub fn guide(
         &self,
         phases: &[Phase],

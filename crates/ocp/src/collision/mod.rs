@@ -1,7 +1,8 @@
 //! The collision model: balls that cover links and objects, obstacles that they avoid, and which pairs get rows.
 //!
-//! Rows are made only for balls that come near an obstacle in given node configurations (the initial guess or the last
-//! solution); whoever solves checks the result and asks again with the pairs that were missed.
+//! A link or object is seen twice: as balls that cover it, which avoid, and as boxes and balls, which are avoided. A pair of
+//! bodies has one row per node if it comes near in given configurations (the initial guess or the last solution); whoever
+//! solves checks the result and asks again with the pairs that were missed.
 
 mod cover;
 mod pairs;

@@ -114,10 +114,6 @@ impl CollisionModel {
     ) {
         let paper = program.settings.preset == Preset::Paper;
         for a in 0..self.balls.len() {
-            // The paper penalises end-effectors and objects, not every link.
-            if paper && self.points[a].is_empty() && self.link_points[a].is_empty() {
-                continue;
-            }
             for primitive in &self.primitives {
                 if primitive.joint == Some(a) || self.balls[a].is_empty() {
                     continue;
@@ -130,6 +126,7 @@ impl CollisionModel {
                     continue;
                 }
                 let balls = if paper {
+                    // The paper penalises end-effectors, objects and large boxes, not every link.
                     [&self.points[a][..], &self.link_points[a]].concat()
                 } else {
                     self.balls_near(a, primitive, at.window)
