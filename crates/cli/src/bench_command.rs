@@ -48,6 +48,8 @@ pub(crate) fn run(options: &BenchOptions) -> Result<Exit, Failure> {
     let request = Request {
         preset: options.preset.into(),
         time_limit: options.time_limit.unwrap_or(f64::INFINITY),
+        integrator: options.integrator.into(),
+        refinement: None,
         ..Request::default()
     };
     let interrupted = interrupt::flag();

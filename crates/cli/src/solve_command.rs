@@ -1,6 +1,6 @@
 //! `locotamp solve`: one given contact sequence to a plan file and a report.
 
-use crate::arguments::SolveOptions;
+use crate::arguments::{SolveOptions, refinement};
 use crate::failure::Failure;
 use crate::folder::Folder;
 use crate::plan_command::{Verdict, judge, load};
@@ -66,6 +66,8 @@ fn solve(
     let request = Request {
         preset: options.preset.into(),
         time_limit: options.time_limit.unwrap_or(f64::INFINITY),
+        integrator: options.integrator.into(),
+        refinement: refinement(options.no_refine, options.refine_step),
         ..Request::default()
     };
     let mut progress = Progress::of_one_sequence(options.quiet);

@@ -1,7 +1,8 @@
 //! What a caller asks for, sees on the way and gets.
 
+use crate::refine::Refined;
 use crate::summary::Summary;
-use ocp::Preset;
+use ocp::{Integrator, Preset, Refinement};
 use symbolic::SymbolicError;
 
 /// Options of one planning run.
@@ -17,6 +18,10 @@ pub struct Request {
     pub solutions: usize,
     /// Most sequences that are optimised in full.
     pub max_optimised: usize,
+    /// How states follow from one another before refinement; the preset `paper` has explicit Euler only.
+    pub integrator: Integrator,
+    /// The finer grid of the returned plan; `None` for the coarse one. The preset `paper` has none.
+    pub refinement: Option<Refinement>,
 }
 
 impl Default for Request {
@@ -27,6 +32,8 @@ impl Default for Request {
             time_limit: f64::INFINITY,
             solutions: 4,
             max_optimised: 200,
+            integrator: Integrator::Euler,
+            refinement: Some(Refinement::default()),
         }
     }
 }
@@ -63,7 +70,7 @@ pub enum Event {
     },
     /// One iteration of the trajectory optimiser.
     Iteration {
-        /// Number of the sequence.
+        /// Number of the sequence; 0 for the refinement of the best one.
         number: usize,
         /// Iteration.
         iteration: usize,
@@ -71,6 +78,11 @@ pub enum Event {
         violation: f64,
         /// Objective.
         objective: f64,
+    },
+    /// The best motion is optimised again on a finer grid.
+    Refining {
+        /// Longest interval [s].
+        max_step: f64,
     },
     /// A trajectory was optimised.
     Optimised {
@@ -122,6 +134,8 @@ pub struct Found {
     pub plan: plan::Plan,
     /// The short summary for people.
     pub summary: Summary,
+    /// What became of the finer grid.
+    pub refined: Refined,
 }
 
 /// Result of a run.
@@ -160,6 +174,9 @@ pub enum Error {
         /// Overlap [mm].
         depth_mm: f64,
     },
+    /// The preset and the integrator do not go together.
+    #[error("the preset `paper` has explicit Euler only (its momentum rows are defined with it); drop the integrator or the preset")]
+    PaperIntegrator,
     /// The goal cannot be reached by any sequence of manipulation actions.
     #[error("{0}")]
     Unreachable(String),

@@ -7,13 +7,15 @@
 mod api;
 mod domain;
 mod export;
+mod refine;
 mod search;
 mod solve;
 mod summary;
 
 pub use api::{Attempt, Error, Event, Found, Outcome, Reached, Request};
 pub use domain::{domain, graph};
-pub use ocp::Preset;
+pub use ocp::{Integrator, Preset, Refinement};
+pub use refine::Refined;
 pub use search::plan;
 pub use solve::{KeyframeReport, MotionReport, Solved, solve};
 pub use solver::{Status, Timing};

@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 use std::time::Instant;
 
 use crate::api::{Attempt, Error, Event, Found, Outcome, Reached, Request};
-use crate::{domain, export, summary};
-use ocp::{Keyframes, Motion, Phase, Planner, Settings};
+use crate::{domain, export, refine, summary};
+use ocp::{Integrator, Keyframes, Motion, Phase, Planner, Preset, Settings};
 use scene::Scene;
 use symbolic::search::Rejected;
 use symbolic::{BestFirst, Costs, Oracle, Sequence};
@@ -46,7 +46,7 @@ pub fn plan(
     let mut run = Run {
         scene,
         request,
-        settings: Settings::new(request.preset, &scene.optimiser),
+        settings: settings(scene, request)?,
         planner,
         begin,
         stopped: !observe(&started),
@@ -56,10 +56,24 @@ pub fn plan(
         possible_prefixes: BTreeSet::new(),
     };
     let ended = run.search(search);
-    let best = run.best.map(|(mut motion, sequence)| {
+    let best = run.best.take().map(|(motion, sequence)| {
+        let phases = run.phases(&sequence);
+        let (mut motion, refined) = refine::refine(
+            &run.planner,
+            &phases,
+            &run.settings,
+            motion,
+            request,
+            run.observe,
+        );
         let plan = export::plan(scene, &sequence.labels, &mut motion);
         let summary = summary::summarise(scene, &sequence.labels, &mut motion);
-        (Found { plan, summary }, motion.feasible)
+        let found = Found {
+            plan,
+            summary,
+            refined,
+        };
+        (found, motion.feasible)
     });
     Ok(Outcome {
         feasible: best.as_ref().is_some_and(|b| b.1),
@@ -67,6 +81,17 @@ pub fn plan(
         attempts: run.attempts,
         ended,
         seconds: begin.elapsed().as_secs_f64(),
+    })
+}
+
+/// The problem's options for a request.
+pub(crate) fn settings(scene: &Scene, request: &Request) -> Result<Settings, Error> {
+    if request.preset == Preset::Paper && request.integrator != Integrator::Euler {
+        return Err(Error::PaperIntegrator);
+    }
+    Ok(Settings {
+        integrator: request.integrator,
+        ..Settings::new(request.preset, &scene.optimiser)
     })
 }
 

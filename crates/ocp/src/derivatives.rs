@@ -1,10 +1,11 @@
 //! First and second derivatives of the whole program; values are in [`crate::problem`].
 
-use crate::chain::Motion;
+use crate::chain::{Motion, StateLayout};
 use crate::momentum::Context;
 use crate::point::Point;
 use crate::problem::{Trajectory, element_nodes, physical_wrench, posture_cost, velocity_scale};
 use crate::slip::Place;
+use crate::states::{self, At};
 use nalgebra::Vector6;
 use solver::ElementData;
 
@@ -112,7 +113,11 @@ impl Trajectory {
         let n = program.structure.elements[t].vars.len();
         let nv = program.system.model.nv;
         let s = &mut self.scratch;
-        if interval.v {
+        let states = program
+            .has_velocities()
+            .then(|| StateLayout::of(interval))
+            .flatten();
+        if interval.v || states.is_some() {
             self.differences[t].linearise();
         }
         if interval.v_next {
@@ -175,14 +180,19 @@ impl Trajectory {
                     }
                 }
             }
-            s.chain.rows(
-                here,
-                next,
-                &layout,
-                &program.dynamics_scale,
-                &mut s.rows,
-                &mut out.jacobians[0],
-            );
+            if let Some(layout) = &states {
+                s.chain
+                    .state_rows(layout, &program.dynamics_scale, &mut out.jacobians[0]);
+            } else {
+                s.chain.rows(
+                    here,
+                    next,
+                    &layout,
+                    &program.dynamics_scale,
+                    &mut s.rows,
+                    &mut out.jacobians[0],
+                );
+            }
             s.chain.gradients_from_weights(&s.weights);
             if program.momentum {
                 let kinematics = [&self.nodes[t].kinematics, &self.nodes[t + 1].kinematics];
@@ -222,12 +232,42 @@ impl Trajectory {
                 s.chain.by_v_gradient[i] += y[first + k] / scale;
             }
         }
+        let share = program.share[interval.phase];
         s.chain
-            .add_costs(&program.motion_weights, interval.dynamics);
-        s.chain
-            .finish(here, next, &layout, &mut out.gradient, &mut out.hessian);
+            .add_costs(&program.motion_weights, share, interval.dynamics);
+        if let Some(layout) = &states {
+            s.chain
+                .state_finish(layout, &mut out.gradient, &mut out.hessian);
+            self.state_derivatives(t, y, out);
+        } else {
+            s.chain
+                .finish(here, next, &layout, &mut out.gradient, &mut out.hessian);
+        }
+        let (program, s) = (&self.program, &self.scratch);
+        let interval = &program.intervals[t];
         if let (true, Some(time)) = (interval.dynamics, interval.time) {
             out.gradient[time] += program.settings.weights.time / s.chain.motion.steps;
+        }
+    }
+
+    /// Rows of node velocities that are unknowns.
+    fn state_derivatives(&mut self, t: usize, y: &[f64], out: &mut ElementData) {
+        let program = &self.program;
+        let interval = &program.intervals[t];
+        let s = &mut self.scratch;
+        let at = At {
+            program,
+            interval,
+            difference: &self.differences[t],
+            motion: &s.chain.motion,
+        };
+        if let Some(rows) = interval.integrator {
+            at.integrator_derivatives(rows, y, out);
+        }
+        for touch in &interval.touches {
+            let frame = &program.frames[program.nodes[t].frames[touch.slot]];
+            let place = (frame, &self.nodes[t].relatives[touch.slot]);
+            states::touch_derivatives(touch, place, &at, y, &mut s.virtual_speeds, out);
         }
     }
 
@@ -235,6 +275,7 @@ impl Trajectory {
         let program = &self.program;
         let interval = &program.intervals[t];
         let n = program.structure.elements[t].vars.len();
+        let weight = program.settings.weights.force * program.share[interval.phase];
         let s = &mut self.scratch;
         for force in &interval.forces {
             let wrench = physical_wrench(force, &x.wrenches[t]);
@@ -243,8 +284,8 @@ impl Trajectory {
             for i in 0..force.n {
                 let v = force.first + i;
                 let difference = x.wrenches[t][v] - force.reference[i];
-                out.gradient[v] += program.settings.weights.force * difference;
-                out.hessian[v * n + v] += program.settings.weights.force;
+                out.gradient[v] += weight * difference;
+                out.hessian[v * n + v] += weight;
             }
             for rows in &force.rows {
                 let m = rows.n_rows;

@@ -21,6 +21,12 @@ const BETWEEN_TOLERANCE: f64 = 0.002;
 /// Barrier parameter and relaxation with which a repair starts from the last solution.
 const REPAIR_BARRIER: f64 = 1e-3;
 const REPAIR_PUSH: f64 = 1e-4;
+/// Largest violation of a solution (scaled rows).
+const SOLVED: f64 = 1e-6;
+/// Tolerances where velocities are unknowns: on a fine grid positions are so stiff that refinement of the linear solves
+/// gains its last digits slowly.
+const STATE_TOLERANCE: f64 = 1e-6;
+const STATE_DUAL_TOLERANCE: f64 = 1e-3;
 /// Largest violation of a keyframe set that still counts as possible, in the rows' own units (m, rad).
 const KEYFRAME_TOLERANCE: f64 = 1e-4;
 
@@ -212,9 +218,24 @@ impl<'a> Planner<'a> {
         observe: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Motion {
         let nodes = self.guide(phases, settings, keyframes);
+        let none = ExtraClearance::new();
+        let program = self.program(phases, settings, Grid::Motion, &nodes, &none);
+        let point = guess::point(&program, self.scene, nodes);
+        self.optimise(phases, program, point, false, observe)
+    }
+
+    /// Solves a program, again with more collision pairs or clearance where the motion collides; `warm` if the point is
+    /// near a solution.
+    pub(crate) fn optimise(
+        &self,
+        phases: &[Phase],
+        mut program: Program,
+        mut point: Point,
+        warm: bool,
+        observe: &mut dyn FnMut(&Iteration) -> bool,
+    ) -> Motion {
+        let settings = &program.settings.clone();
         let mut extra = ExtraClearance::new();
-        let mut program = self.program(phases, settings, Grid::Motion, &nodes, &extra);
-        let mut point = guess::point(&program, self.scene, nodes);
         let (mut iterations, mut seconds, mut timing) = (0, 0.0, Timing::default());
         for round in 0.. {
             let mut trajectory = Trajectory::new(program);
@@ -223,9 +244,13 @@ impl<'a> Planner<'a> {
                 max_iterations: settings.max_iterations,
                 ..Options::default()
             };
-            if round > 0 {
+            if warm || round > 0 {
                 options.initial_barrier = REPAIR_BARRIER;
                 options.bound_push = REPAIR_PUSH;
+            }
+            if trajectory.program.has_velocities() {
+                options.feasibility_tolerance = STATE_TOLERANCE;
+                options.dual_tolerance = STATE_DUAL_TOLERANCE;
             }
             let report = InteriorPoint::new(&structure).solve(
                 &mut trajectory,
@@ -237,7 +262,7 @@ impl<'a> Planner<'a> {
             iterations += report.iterations;
             seconds += report.timing.total.as_secs_f64();
             timing += report.timing;
-            let solved = report.violation <= 10.0 * options.feasibility_tolerance;
+            let solved = report.violation <= SOLVED;
             if solved && report.status != Status::Interrupted && round < REPAIRS {
                 let between = settings.preset == Preset::Default
                     && self.demand_clearance_between(
@@ -289,7 +314,7 @@ impl<'a> Planner<'a> {
         !found.is_empty()
     }
 
-    fn program(
+    pub(crate) fn program(
         &self,
         phases: &[Phase],
         settings: &Settings,

@@ -10,6 +10,7 @@ use crate::point::Point;
 use crate::program::{Grid, Program};
 use crate::relative::Relative;
 use crate::slip::{self, Slips};
+use crate::states::{self, At};
 use crate::terms::PoseTerm;
 use crate::terms::place::Place;
 use multibody::{Kinematics, Rnea, RneaHessian};
@@ -139,8 +140,15 @@ impl Trajectory {
         } else {
             1.0
         };
+        let states = self.program.has_velocities();
         let xi = &self.differences[t].xi;
         for i in 0..motion.v.len() {
+            if states {
+                motion.v[i] = x.velocities[t][i];
+                motion.v_next[i] = x.velocities[t + 1][i];
+                motion.a[i] = (motion.v_next[i] - motion.v[i]) / dt;
+                continue;
+            }
             motion.v[i] = if interval.v { xi[i] / dt } else { 0.0 };
             motion.v_next[i] = if interval.v_next {
                 self.differences[t + 1].xi[i] / dt_next
@@ -226,18 +234,34 @@ impl Trajectory {
             }
             objective += program.settings.weights.time * s.chain.motion.dt;
         }
+        let share = program.share[interval.phase];
         for (i, (wv, wa)) in program.motion_weights.iter().enumerate() {
             let (v, a) = (
                 s.chain.motion.v[i],
                 if dynamics { s.chain.motion.a[i] } else { 0.0 },
             );
-            objective += 0.5 * (wv * v * v + wa * a * a);
+            objective += 0.5 * share * (wv * v * v + wa * a * a);
         }
         if let Some(first) = interval.velocity_rows {
             for (k, joint) in program.system.actuated().enumerate() {
                 out.values[first + k] =
                     s.chain.motion.v[joint.idx_v] / velocity_scale(joint.velocity_limit);
             }
+        }
+        let at = At {
+            program,
+            interval,
+            difference: &self.differences[t],
+            motion: &s.chain.motion,
+        };
+        if let Some(rows) = interval.integrator {
+            at.integrator_values(rows, &mut out.values);
+        }
+        for touch in &interval.touches {
+            let frame = &program.frames[program.nodes[t].frames[touch.slot]];
+            let relative = &self.nodes[t].relatives[touch.slot];
+            let v = &s.chain.motion.v;
+            states::touch_values(touch, frame, relative, v, &mut out.values);
         }
         for stick in &interval.sticks {
             let n = stick.place.n_rows();
@@ -264,6 +288,7 @@ impl Trajectory {
             };
             s.slips.values(slip, at, &s.chain.motion.v, &mut out.values);
         }
+        let weight = program.settings.weights.force * share;
         for force in &interval.forces {
             let scaled = &x.wrenches[t][force.first..force.first + force.n];
             let wrench = physical_wrench(force, &x.wrenches[t]);
@@ -276,7 +301,7 @@ impl Trajectory {
                 );
             }
             for (l, r) in scaled.iter().zip(&force.reference) {
-                objective += 0.5 * program.settings.weights.force * (l - r) * (l - r);
+                objective += 0.5 * weight * (l - r) * (l - r);
             }
         }
         for node in element_nodes(program, t) {
@@ -362,6 +387,11 @@ impl Problem for Trajectory {
                     model.integrate_scaled_into(&x.nodes[t], dx, step, &mut out.nodes[t]);
                 }
             }
+            if let Some(first) = node.velocity_var {
+                for i in 0..model.nv {
+                    out.velocities[t][i] = x.velocities[t][i] + step * dx[first + i];
+                }
+            }
         }
         for (t, interval) in self.program.intervals.iter().enumerate() {
             for i in 0..interval.n_wrench {
@@ -382,6 +412,9 @@ impl Problem for Trajectory {
                 for joint in self.program.system.actuated() {
                     out[first + joint.idx_v] = x.nodes[t][joint.idx_q];
                 }
+            }
+            if let Some(first) = node.velocity_var {
+                out[first..first + model.nv].copy_from_slice(&x.velocities[t]);
             }
         }
         debug_assert_eq!(model.nq, x.nodes[0].len());

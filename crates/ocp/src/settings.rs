@@ -10,6 +10,34 @@ pub enum Preset {
     Paper,
 }
 
+/// How the state of a node follows from the one before; a the acceleration of the interval.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Integrator {
+    /// q⁺ = q ⊕ v dt (paper, eq. robot_integration).
+    #[default]
+    Euler,
+    /// q⁺ = q ⊕ v⁺ dt.
+    SemiImplicitEuler,
+    /// q⁺ = q ⊕ (v dt + ½ a dt²).
+    ConstantAcceleration,
+}
+
+impl Integrator {
+    /// Shares (β, γ) of the two node velocities in the displacement: q⁺ ⊖ q = dt (β v + γ v⁺), with v⁺ = v + a dt.
+    pub fn shares(self) -> (f64, f64) {
+        match self {
+            Self::Euler => (1.0, 0.0),
+            Self::SemiImplicitEuler => (0.0, 1.0),
+            Self::ConstantAcceleration => (0.5, 0.5),
+        }
+    }
+
+    /// True if node velocities are unknowns of their own; with explicit Euler they are differences of configurations.
+    pub fn has_velocities(self) -> bool {
+        self != Self::Euler
+    }
+}
+
 /// Weights of the costs; each multiplies half a sum of squares over all nodes or intervals. Dimensionless after the
 /// scaling that is named, so that they fit robots of any size.
 #[derive(Debug, Clone, PartialEq)]
@@ -121,6 +149,10 @@ impl Margins {
 pub struct Settings {
     /// Which problem.
     pub preset: Preset,
+    /// How states follow from one another; the preset `paper` has explicit Euler only.
+    pub integrator: Integrator,
+    /// Longest interval [s]; ∞: bounded by the phases only.
+    pub max_step: f64,
     /// Shortest phase [s].
     pub min_duration: f64,
     /// Longest phase [s].
@@ -140,6 +172,8 @@ impl Settings {
     pub fn new(preset: Preset, options: &scene::OptimiserOptions) -> Self {
         Self {
             preset,
+            integrator: Integrator::Euler,
+            max_step: f64::INFINITY,
             min_duration: options.min_duration,
             max_duration: options.max_duration,
             torque_limits: options.torque_limits,

@@ -8,12 +8,14 @@
 //! Hessian of the acceleration cost, `gv`, `ga` gradients of the Lagrangian by v and a.
 
 mod hessian;
+mod states;
 mod vectors;
 
 use crate::difference::Difference;
 use crate::program::Interval;
 use multibody::RneaHessian;
 use nalgebra::DMatrix;
+pub use states::StateLayout;
 use vectors::Vectors;
 
 /// Velocity, next velocity, acceleration and step lengths of an interval.
@@ -231,10 +233,10 @@ impl Chain {
         }
     }
 
-    /// Adds the quadratic costs of v and (with dynamics) a.
-    pub fn add_costs(&mut self, weights: &[(f64, f64)], dynamics: bool) {
+    /// Adds the quadratic costs of v and (with dynamics) a, their weights times `share`.
+    pub fn add_costs(&mut self, weights: &[(f64, f64)], share: f64, dynamics: bool) {
         for (i, &(wv, wa)) in weights.iter().enumerate() {
-            let wa = if dynamics { wa } else { 0.0 };
+            let (wv, wa) = (share * wv, if dynamics { share * wa } else { 0.0 });
             self.cost_v[i] = wv * self.motion.v[i];
             self.cost_a[i] = wa * self.motion.a[i];
             self.da[i] = wa;

@@ -13,8 +13,8 @@ use crate::terms::{
 use solver::BlockStructure;
 use symbolic::Contact;
 
-/// True if `contact` binds the geometry of interval `t`: it is active there, or was released at node t
-/// (formulation 2.19: at rest at the release too).
+/// True if `contact` binds the geometry of interval `t`: it is active there, or, with explicit Euler, was released at node t
+/// (formulation 2.19: at rest at the release too; the other integrators imply that).
 fn binds(phases: &[Phase], program: &Program, contact: Contact, t: usize) -> bool {
     let active = |t: usize| {
         phases[program.phase_of(t)]
@@ -22,7 +22,8 @@ fn binds(phases: &[Phase], program: &Program, contact: Contact, t: usize) -> boo
             .contacts
             .contains(&contact)
     };
-    active(t) || (program.grid == Grid::Motion && t > 0 && active(t - 1))
+    let released = program.grid == Grid::Motion && !program.has_velocities();
+    active(t) || (released && t > 0 && active(t - 1))
 }
 
 impl Builder<'_> {
@@ -74,7 +75,11 @@ impl Builder<'_> {
             }
             let by_velocity = !keyframes && self.program.settings.preset == Preset::Paper;
             let p = &mut self.program;
-            if here && p.nodes[t + 1].var.is_some() && (keyframes || p.intervals[t].v) {
+            if p.has_velocities() && here && !before && p.nodes[t].velocity_var.is_some() {
+                self.touch_rows(t, contact, frame);
+            }
+            let p = &mut self.program;
+            if here && p.nodes[t + 1].var.is_some() && p.intervals[t].moves {
                 if by_velocity {
                     self.slip_rows(t, contact, frame);
                     continue;

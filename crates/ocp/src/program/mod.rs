@@ -6,12 +6,16 @@
 //!
 //! One element of the solver per interval: wrenches λ_t, nodes A = t, B = t+1, C = t+2, durations of the phases of this
 //! and the next interval. Terms of node t belong to element t.
+//!
+//! With the other integrators node velocities are unknowns too, tied to the configurations by rows; then an element has
+//! wrenches λ_t, configurations and velocities of nodes t and t+1, and the duration of its phase.
 
 mod contacts;
 mod costs;
 mod dynamics;
 mod forces;
 mod goal;
+pub(crate) mod integrator;
 mod interval;
 mod label;
 mod layout;
@@ -29,7 +33,9 @@ use solver::Structure;
 use symbolic::ContactState;
 
 pub use goal::goal_body;
-pub use interval::{Force, ForceRows, Interval, OnRobot, Slip, Stick};
+pub use interval::{
+    Force, ForceRows, IntegratorRows, Interval, OnRobot, Slip, Stick, Touch,
+};
 pub use label::{RowLabel, Subject};
 pub use node::{Node, NodeCost, NodeTerm};
 
@@ -83,6 +89,8 @@ pub struct Program {
     pub duration_var: usize,
     /// Posture that costs nothing, per velocity index (0 for floating bodies).
     pub home: Vec<f64>,
+    /// Weight of an interval or node of each phase in the costs that are sums over them.
+    pub share: Vec<f64>,
     /// Velocity and acceleration weights per velocity index.
     pub motion_weights: Vec<(f64, f64)>,
     /// Scale of each row of the equations of motion.
@@ -101,6 +109,18 @@ struct Builder<'a> {
     program: Program,
     keys: Vec<(usize, usize)>,
     labels: Vec<Vec<RowLabel>>,
+}
+
+/// Intervals of a phase whose costs have their plain weight.
+const REFERENCE_STEPS: f64 = 16.0;
+
+/// With the default preset the costs of a phase do not depend on its number of intervals; the paper sums over nodes.
+fn shares(settings: &Settings, grid: Grid, steps: &[usize]) -> Vec<f64> {
+    let share = |&n: &usize| match (settings.preset, grid) {
+        (Preset::Default, Grid::Motion) => REFERENCE_STEPS / n as f64,
+        _ => 1.0,
+    };
+    steps.iter().map(share).collect()
 }
 
 impl Program {
@@ -137,6 +157,7 @@ impl Program {
                 intervals: vec![Interval::default(); n],
                 duration_var: 0,
                 home: vec![0.0; nv],
+                share: shares(settings, grid, &steps),
                 motion_weights: vec![(0.0, 0.0); nv],
                 dynamics_scale: vec![1.0; nv],
                 momentum: settings.preset == Preset::Paper
@@ -158,6 +179,7 @@ impl Program {
         for t in 0..n {
             builder.equations_of_motion(t);
             builder.velocity_limits(t);
+            builder.integrator(t);
             builder.contact_geometry(t, phases);
             builder.forces(t, phases);
         }
@@ -172,6 +194,11 @@ impl Program {
     /// Phase of an interval.
     pub fn phase_of(&self, t: usize) -> usize {
         self.intervals[t].phase
+    }
+
+    /// True if node velocities are unknowns of their own.
+    pub fn has_velocities(&self) -> bool {
+        self.grid == Grid::Motion && self.settings.integrator.has_velocities()
     }
 
     /// Number of intervals.
