@@ -105,6 +105,9 @@ pub struct Margins {
     pub self_clearance: f64,
     /// Height of a foot between its contacts [m].
     pub swing: f64,
+    /// Sixteenths of a phase in which a contact that bears the robot or an object takes up its load after a change, and gives
+    /// it away before one; 0: at once.
+    pub ramp: f64,
     /// Distance that a contact's edge keeps from the edge of its support [m].
     pub bounds: f64,
 }
@@ -123,6 +126,7 @@ impl Margins {
             clearance: 0.02,
             self_clearance: 0.015,
             swing: 0.03,
+            ramp: 3.0,
             bounds: 0.005,
         }
     }
@@ -139,6 +143,7 @@ impl Margins {
             clearance: 0.0,
             self_clearance: 0.0,
             swing: 0.0,
+            ramp: 0.0,
             bounds: 0.0,
         }
     }

@@ -26,9 +26,6 @@ const BLUR: f64 = 1.4 * EVENNESS;
 const RAMP: (f64, f64) = (-0.002, 0.008);
 /// The most that is demanded at a contact [m].
 const MOST_AT_CONTACT: f64 = -0.008;
-/// Parts of a phase in which the growth of clearances is counted, and the most of them that one interval is.
-const PARTS: f64 = 16.0;
-const MOST_PARTS: f64 = 3.0;
 /// Slope of the sigmoid penalties of the paper preset [1/m] (the yardstick's).
 const SIGMOID_SLOPE: f64 = 40.0;
 
@@ -92,11 +89,7 @@ impl CollisionModel {
         let touching: Vec<_> = (0..=n)
             .map(|t| Self::touching(scene, program, phases, t))
             .collect();
-        let mut along = vec![0.0];
-        for interval in &program.intervals {
-            let parts = (PARTS / program.steps[interval.phase] as f64).min(MOST_PARTS);
-            along.push(along[along.len() - 1] + parts);
-        }
+        let along = program.along();
         let window = |t: usize| -> Vec<&Kinematics> {
             let width = match program.grid {
                 Grid::Motion => {

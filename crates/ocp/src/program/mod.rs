@@ -111,6 +111,9 @@ struct Builder<'a> {
     labels: Vec<Vec<RowLabel>>,
 }
 
+/// Parts of a phase in which growth after and before contact changes is counted, and the most of them that one interval is.
+const PARTS: f64 = 16.0;
+const MOST_PARTS: f64 = 3.0;
 /// Intervals of a phase whose costs have their plain weight.
 const REFERENCE_STEPS: f64 = 16.0;
 
@@ -204,6 +207,16 @@ impl Program {
     /// Number of intervals.
     pub fn n_intervals(&self) -> usize {
         self.intervals.len()
+    }
+
+    /// Sixteenths of a phase from the start to each node, where few intervals count as at most three each.
+    pub fn along(&self) -> Vec<f64> {
+        let mut along = vec![0.0];
+        for interval in &self.intervals {
+            let parts = (PARTS / self.steps[interval.phase] as f64).min(MOST_PARTS);
+            along.push(along[along.len() - 1] + parts);
+        }
+        along
     }
 
     /// Node whose configuration node `t` has (the last node rests where its predecessor is).
