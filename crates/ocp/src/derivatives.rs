@@ -112,12 +112,6 @@ impl Trajectory {
         let n = program.structure.elements[t].vars.len();
         let nv = program.system.model.nv;
         let s = &mut self.scratch;
-        if interval.v {
-            self.differences[t].linearise();
-        }
-        if interval.v_next {
-            self.differences[t + 1].linearise();
-        }
         let here = interval.v.then(|| &self.differences[t]);
         let next = interval.v_next.then(|| &self.differences[t + 1]);
         let layout = interval.into();
@@ -176,14 +170,13 @@ impl Trajectory {
                 }
             }
             s.chain.rows(
+                &s.hessian,
                 here,
                 next,
                 &layout,
                 &program.dynamics_scale,
-                &mut s.rows,
                 &mut out.jacobians[0],
             );
-            s.chain.gradients_from_weights(&s.weights);
             if program.momentum {
                 let kinematics = [&self.nodes[t].kinematics, &self.nodes[t + 1].kinematics];
                 let (relatives, wrenches) = (&self.nodes[t].relatives, &x.wrenches[t]);
@@ -224,8 +217,15 @@ impl Trajectory {
         }
         s.chain
             .add_costs(&program.motion_weights, interval.dynamics);
-        s.chain
-            .finish(here, next, &layout, &mut out.gradient, &mut out.hessian);
+        let dynamics = interval.dynamics.then_some(&s.hessian);
+        s.chain.finish(
+            dynamics,
+            here,
+            next,
+            &layout,
+            &mut out.gradient,
+            &mut out.hessian,
+        );
         if let (true, Some(time)) = (interval.dynamics, interval.time) {
             out.gradient[time] += program.settings.weights.time / s.chain.motion.steps;
         }

@@ -13,7 +13,7 @@ use crate::slip::{self, Slips};
 use crate::terms::PoseTerm;
 use crate::terms::place::Place;
 use multibody::{Kinematics, Rnea, RneaHessian};
-use nalgebra::{DMatrix, Vector6};
+use nalgebra::Vector6;
 use solver::{ElementData, Problem, Structure};
 
 /// Relative poses and kinematics of one node.
@@ -34,7 +34,6 @@ pub(crate) struct Scratch {
     pub(crate) values: Vec<f64>,
     pub(crate) gradients: Vec<Vector6<f64>>,
     pub(crate) force_gradients: Vec<(Vector6<f64>, Vector6<f64>)>,
-    pub(crate) rows: DMatrix<f64>,
     pub(crate) momentum: Momentum,
     pub(crate) slips: Slips,
 }
@@ -84,7 +83,6 @@ impl Trajectory {
             values: vec![0.0; most_rows.max(16)],
             gradients: vec![Vector6::zeros(); most_rows.max(16)],
             force_gradients: vec![(Vector6::zeros(), Vector6::zeros()); 16],
-            rows: DMatrix::zeros(nv, nv),
             momentum: Momentum::new(&program.system.robot, nv),
             slips: Slips::new(nv),
         };
@@ -404,6 +402,9 @@ impl Problem for Trajectory {
 
     fn linearise(&mut self, x: &Point, multipliers: &[f64], out: &mut [ElementData]) {
         self.update(x);
+        for difference in &mut self.differences {
+            difference.linearise();
+        }
         let mut first = 0;
         for (t, data) in out.iter_mut().enumerate() {
             let rows = data.values.len();
