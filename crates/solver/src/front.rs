@@ -253,9 +253,10 @@ fn analyse(structure: &Structure) -> Vec<Symbolic> {
     let mut position = vec![usize::MAX; structure.n_vars];
     let mut carried: Vec<usize> = Vec::new();
     for (e, element) in structure.elements.iter().enumerate() {
-        let mut vars = carried.clone();
-        vars.extend(element.vars.iter().filter(|v| !carried.contains(v)));
-        vars.sort_by_key(|&v| (last[v] != e, v));
+        // In the element's own order where possible, so that its matrix is added in few runs.
+        let mut vars = element.vars.clone();
+        vars.extend(carried.iter().filter(|v| !element.vars.contains(v)));
+        vars.sort_by_key(|&v| last[v] != e);
         let n_eliminated = vars.iter().filter(|&&v| last[v] == e).count();
         for (i, &v) in vars.iter().enumerate() {
             position[v] = i;
