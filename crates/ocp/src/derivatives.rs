@@ -5,7 +5,7 @@ use crate::momentum::Context;
 use crate::point::Point;
 use crate::problem::{Trajectory, element_nodes, physical_wrench, posture_cost, velocity_scale};
 use crate::slip::Place;
-use nalgebra::Vector6;
+use nalgebra::{Matrix6, Vector6};
 use solver::ElementData;
 
 impl Trajectory {
@@ -15,6 +15,7 @@ impl Trajectory {
         out.gradient.fill(0.0);
         out.hessian.fill(0.0);
         self.motion_derivatives(x, t, y, out);
+        self.pose_sums.iter_mut().flatten().for_each(PoseSum::clear);
         let program = &self.program;
         let interval = &program.intervals[t];
         let s = &mut self.scratch;
@@ -22,7 +23,6 @@ impl Trajectory {
         for stick in &interval.sticks {
             use crate::terms::PoseTerm;
             let rows = stick.place.n_rows();
-            let frame = &program.frames[program.nodes[t].frames[stick.slot_a]];
             let jacobian = &mut out.jacobians[stick.block];
             let mut column = 0;
             let sides = [
@@ -30,7 +30,9 @@ impl Trajectory {
                 (interval.b, t + 1, stick.slot_b, 1.0),
             ];
             for (first, node, slot, sign) in sides {
-                let Some(first) = first else { continue };
+                if first.is_none() {
+                    continue;
+                }
                 let relative = &self.nodes[node].relatives[slot];
                 stick
                     .place
@@ -47,18 +49,15 @@ impl Trajectory {
                 }
                 let gradient = weighted_sum(&s.gradients[..rows], weights);
                 let hessian = stick.place.hessian(&relative.b_from_a, weights);
-                frame.pose_hessian(relative, &gradient, &hessian, |k, l, value| {
-                    let (i, j) = (first + frame.cols[k], first + frame.cols[l]);
-                    out.hessian[i.min(j) * n + i.max(j)] += value;
-                });
+                self.pose_sums[node - t][slot].add(&gradient, &hessian);
             }
         }
         for node in element_nodes(program, t) {
             let Some(first) = (if node == t { interval.a } else { interval.b }) else {
                 continue;
             };
+            let sums = &mut self.pose_sums[node - t];
             for term in &program.nodes[node].terms {
-                let frame = &program.frames[program.nodes[node].frames[term.slot]];
                 let relative = &self.nodes[node].relatives[term.slot];
                 let gradients = &mut s.gradients[..term.n_rows];
                 let weights = &y[term.first_row..term.first_row + term.n_rows];
@@ -74,26 +73,17 @@ impl Trajectory {
                 if weights.iter().all(|w| w.abs() < 1e-9) {
                     continue;
                 }
-                let gradient = weighted_sum(gradients, weights);
-                frame.pose_hessian(relative, &gradient, &hessian, |k, l, value| {
-                    let (i, j) = (first + frame.cols[k], first + frame.cols[l]);
-                    out.hessian[i.min(j) * n + i.max(j)] += value;
-                });
+                sums[term.slot].add(&weighted_sum(gradients, weights), &hessian);
             }
             for cost in &program.nodes[node].costs {
-                let frame = &program.frames[program.nodes[node].frames[cost.slot]];
                 let relative = &self.nodes[node].relatives[cost.slot];
                 let gradients = &mut s.gradients[..cost.weights.len()];
-                cost.term.gradients(&relative.b_from_a, gradients);
+                let hessian = cost
+                    .term
+                    .derivatives(&relative.b_from_a, &cost.weights, gradients);
                 let gradient = weighted_sum(gradients, &cost.weights);
-                for (&col, j) in frame.cols.iter().zip(&relative.columns) {
-                    out.gradient[first + col] += gradient.dot(j);
-                }
-                let hessian = cost.term.hessian(&relative.b_from_a, &cost.weights);
-                frame.pose_hessian(relative, &gradient, &hessian, |k, l, value| {
-                    let (i, j) = (first + frame.cols[k], first + frame.cols[l]);
-                    out.hessian[i.min(j) * n + i.max(j)] += value;
-                });
+                sums[cost.slot].add(&gradient, &hessian);
+                sums[cost.slot].cost_gradient += gradient;
             }
             posture_cost(program, node, &x.nodes[node], |i, gradient, curvature| {
                 out.gradient[first + i] += gradient;
@@ -101,6 +91,33 @@ impl Trajectory {
             });
         }
         self.force_derivatives(x, t, y, out);
+        self.chain_poses(t, out);
+    }
+
+    /// Takes the sums of gradients and Hessians by relative poses to the increments of their nodes.
+    fn chain_poses(&self, t: usize, out: &mut ElementData) {
+        let program = &self.program;
+        let interval = &program.intervals[t];
+        let n = out.gradient.len();
+        let sides = [(interval.a, t), (interval.b, t + 1)];
+        for ((first, node), sums) in sides.into_iter().zip(&self.pose_sums) {
+            let Some(first) = first else { continue };
+            let node_frames = program.nodes[node].frames.iter();
+            for ((&frame, relative), sum) in node_frames.zip(&self.nodes[node].relatives).zip(sums)
+            {
+                if sum.is_zero {
+                    continue;
+                }
+                let frame = &program.frames[frame];
+                for (&col, j) in frame.cols.iter().zip(&relative.columns) {
+                    out.gradient[first + col] += sum.cost_gradient.dot(j);
+                }
+                frame.pose_hessian(relative, &sum.gradient, &sum.hessian, |k, l, value| {
+                    let (i, j) = (first + frame.cols[k], first + frame.cols[l]);
+                    out.hessian[i.min(j) * n + i.max(j)] += value;
+                });
+            }
+        }
     }
 
     /// Equations of motion, velocity limits, motion and duration costs.
@@ -280,11 +297,46 @@ impl Trajectory {
                     }
                 }
                 let gradient = gradients.iter().zip(weights).map(|(g, w)| g.0 * *w).sum();
-                frame.pose_hessian(relative, &gradient, &h.pose, |k, l, value| {
-                    let (i, j) = (first + frame.cols[k], first + frame.cols[l]);
-                    out.hessian[i.min(j) * n + i.max(j)] += value;
-                });
+                self.pose_sums[0][force.slot].add(&gradient, &h.pose);
             }
+        }
+    }
+}
+
+/// What the terms of one relative pose add up to: gradients by increments of a and the Hessian.
+#[derive(Debug, Clone)]
+pub(crate) struct PoseSum {
+    /// Of the costs alone.
+    cost_gradient: Vector6<f64>,
+    /// Of the Lagrangian.
+    gradient: Vector6<f64>,
+    hessian: Matrix6<f64>,
+    is_zero: bool,
+}
+
+impl PoseSum {
+    /// Nothing yet.
+    pub fn new() -> Self {
+        Self {
+            cost_gradient: Vector6::zeros(),
+            gradient: Vector6::zeros(),
+            hessian: Matrix6::zeros(),
+            is_zero: true,
+        }
+    }
+
+    fn clear(&mut self) {
+        if !self.is_zero {
+            *self = Self::new();
+        }
+    }
+
+    /// Adds a term; one far away, whose gradient is zero, costs nothing later.
+    fn add(&mut self, gradient: &Vector6<f64>, hessian: &Matrix6<f64>) {
+        if *gradient != Vector6::zeros() || *hessian != Matrix6::zeros() {
+            self.gradient += gradient;
+            self.hessian += hessian;
+            self.is_zero = false;
         }
     }
 }

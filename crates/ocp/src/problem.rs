@@ -4,6 +4,7 @@
 //! from (q, v, a) to the node variables is in [`crate::chain`].
 
 use crate::chain::{Chain, Motion};
+use crate::derivatives::PoseSum;
 use crate::difference::Difference;
 use crate::momentum::{Context, Momentum};
 use crate::point::Point;
@@ -88,6 +89,8 @@ pub struct Trajectory {
     pub(crate) nodes: Vec<NodeState>,
     pub(crate) differences: Vec<Difference>,
     pub(crate) scratch: Scratch,
+    /// Scratch of the two nodes of an interval, one per relative pose.
+    pub(crate) pose_sums: [Vec<PoseSum>; 2],
     evaluated: Evaluated,
 }
 
@@ -130,8 +133,11 @@ impl Trajectory {
             momentum: Momentum::new(&program.system.robot, nv),
             slips: Slips::new(nv),
         };
+        let most_frames = (program.nodes.iter().map(|n| n.frames.len())).max();
+        let pose_sums = vec![PoseSum::new(); most_frames.unwrap_or(0)];
         Self {
             evaluated: Evaluated::new(&program),
+            pose_sums: [pose_sums.clone(), pose_sums],
             program,
             nodes,
             differences,
