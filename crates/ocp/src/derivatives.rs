@@ -6,7 +6,7 @@ use crate::point::Point;
 use crate::problem::{Trajectory, element_nodes, physical_wrench, posture_cost, velocity_scale};
 use crate::slip::Place;
 use crate::states::{self, At};
-use nalgebra::Vector6;
+use nalgebra::{Matrix6, Vector6};
 use solver::ElementData;
 
 impl Trajectory {
@@ -16,6 +16,7 @@ impl Trajectory {
         out.gradient.fill(0.0);
         out.hessian.fill(0.0);
         self.motion_derivatives(x, t, y, out);
+        self.pose_sums.iter_mut().flatten().for_each(PoseSum::clear);
         let program = &self.program;
         let interval = &program.intervals[t];
         let s = &mut self.scratch;
@@ -23,7 +24,6 @@ impl Trajectory {
         for stick in &interval.sticks {
             use crate::terms::PoseTerm;
             let rows = stick.place.n_rows();
-            let frame = &program.frames[program.nodes[t].frames[stick.slot_a]];
             let jacobian = &mut out.jacobians[stick.block];
             let mut column = 0;
             let sides = [
@@ -31,7 +31,9 @@ impl Trajectory {
                 (interval.b, t + 1, stick.slot_b, 1.0),
             ];
             for (first, node, slot, sign) in sides {
-                let Some(first) = first else { continue };
+                if first.is_none() {
+                    continue;
+                }
                 let relative = &self.nodes[node].relatives[slot];
                 stick
                     .place
@@ -48,18 +50,15 @@ impl Trajectory {
                 }
                 let gradient = weighted_sum(&s.gradients[..rows], weights);
                 let hessian = stick.place.hessian(&relative.b_from_a, weights);
-                frame.pose_hessian(relative, &gradient, &hessian, |k, l, value| {
-                    let (i, j) = (first + frame.cols[k], first + frame.cols[l]);
-                    out.hessian[i.min(j) * n + i.max(j)] += value;
-                });
+                self.pose_sums[node - t][slot].add(&gradient, &hessian);
             }
         }
         for node in element_nodes(program, t) {
             let Some(first) = (if node == t { interval.a } else { interval.b }) else {
                 continue;
             };
+            let sums = &mut self.pose_sums[node - t];
             for term in &program.nodes[node].terms {
-                let frame = &program.frames[program.nodes[node].frames[term.slot]];
                 let relative = &self.nodes[node].relatives[term.slot];
                 let gradients = &mut s.gradients[..term.n_rows];
                 let weights = &y[term.first_row..term.first_row + term.n_rows];
@@ -75,26 +74,17 @@ impl Trajectory {
                 if weights.iter().all(|w| w.abs() < 1e-9) {
                     continue;
                 }
-                let gradient = weighted_sum(gradients, weights);
-                frame.pose_hessian(relative, &gradient, &hessian, |k, l, value| {
-                    let (i, j) = (first + frame.cols[k], first + frame.cols[l]);
-                    out.hessian[i.min(j) * n + i.max(j)] += value;
-                });
+                sums[term.slot].add(&weighted_sum(gradients, weights), &hessian);
             }
             for cost in &program.nodes[node].costs {
-                let frame = &program.frames[program.nodes[node].frames[cost.slot]];
                 let relative = &self.nodes[node].relatives[cost.slot];
                 let gradients = &mut s.gradients[..cost.weights.len()];
-                cost.term.gradients(&relative.b_from_a, gradients);
+                let hessian = cost
+                    .term
+                    .derivatives(&relative.b_from_a, &cost.weights, gradients);
                 let gradient = weighted_sum(gradients, &cost.weights);
-                for (&col, j) in frame.cols.iter().zip(&relative.columns) {
-                    out.gradient[first + col] += gradient.dot(j);
-                }
-                let hessian = cost.term.hessian(&relative.b_from_a, &cost.weights);
-                frame.pose_hessian(relative, &gradient, &hessian, |k, l, value| {
-                    let (i, j) = (first + frame.cols[k], first + frame.cols[l]);
-                    out.hessian[i.min(j) * n + i.max(j)] += value;
-                });
+                sums[cost.slot].add(&gradient, &hessian);
+                sums[cost.slot].cost_gradient += gradient;
             }
             posture_cost(program, node, &x.nodes[node], |i, gradient, curvature| {
                 out.gradient[first + i] += gradient;
@@ -102,6 +92,33 @@ impl Trajectory {
             });
         }
         self.force_derivatives(x, t, y, out);
+        self.chain_poses(t, out);
+    }
+
+    /// Takes the sums of gradients and Hessians by relative poses to the increments of their nodes.
+    fn chain_poses(&self, t: usize, out: &mut ElementData) {
+        let program = &self.program;
+        let interval = &program.intervals[t];
+        let n = out.gradient.len();
+        let sides = [(interval.a, t), (interval.b, t + 1)];
+        for ((first, node), sums) in sides.into_iter().zip(&self.pose_sums) {
+            let Some(first) = first else { continue };
+            let node_frames = program.nodes[node].frames.iter();
+            for ((&frame, relative), sum) in node_frames.zip(&self.nodes[node].relatives).zip(sums)
+            {
+                if sum.is_zero {
+                    continue;
+                }
+                let frame = &program.frames[frame];
+                for (&col, j) in frame.cols.iter().zip(&relative.columns) {
+                    out.gradient[first + col] += sum.cost_gradient.dot(j);
+                }
+                frame.pose_hessian(relative, &sum.gradient, &sum.hessian, |k, l, value| {
+                    let (i, j) = (first + frame.cols[k], first + frame.cols[l]);
+                    out.hessian[i.min(j) * n + i.max(j)] += value;
+                });
+            }
+        }
     }
 
     /// Equations of motion, velocity limits, motion and duration costs.
@@ -117,12 +134,6 @@ impl Trajectory {
             .has_velocities()
             .then(|| StateLayout::of(interval))
             .flatten();
-        if interval.v || states.is_some() {
-            self.differences[t].linearise();
-        }
-        if interval.v_next {
-            self.differences[t + 1].linearise();
-        }
         let here = interval.v.then(|| &self.differences[t]);
         let next = interval.v_next.then(|| &self.differences[t + 1]);
         let layout = interval.into();
@@ -180,20 +191,11 @@ impl Trajectory {
                     }
                 }
             }
-            if let Some(layout) = &states {
-                s.chain
-                    .state_rows(layout, &program.dynamics_scale, &mut out.jacobians[0]);
-            } else {
-                s.chain.rows(
-                    here,
-                    next,
-                    &layout,
-                    &program.dynamics_scale,
-                    &mut s.rows,
-                    &mut out.jacobians[0],
-                );
+            let (scale, jacobian) = (&program.dynamics_scale, &mut out.jacobians[0]);
+            match &states {
+                Some(layout) => s.chain.state_rows(&s.hessian, layout, scale, jacobian),
+                None => s.chain.rows(&s.hessian, here, next, &layout, scale, jacobian),
             }
-            s.chain.gradients_from_weights(&s.weights);
             if program.momentum {
                 let kinematics = [&self.nodes[t].kinematics, &self.nodes[t + 1].kinematics];
                 let (relatives, wrenches) = (&self.nodes[t].relatives, &x.wrenches[t]);
@@ -235,13 +237,14 @@ impl Trajectory {
         let share = program.share[interval.phase];
         s.chain
             .add_costs(&program.motion_weights, share, interval.dynamics);
+        let (gradient, hessian) = (&mut out.gradient, &mut out.hessian);
         if let Some(layout) = &states {
-            s.chain
-                .state_finish(layout, &mut out.gradient, &mut out.hessian);
+            s.chain.state_finish(&s.hessian, layout, gradient, hessian);
             self.state_derivatives(t, y, out);
         } else {
+            let dynamics = interval.dynamics.then_some(&s.hessian);
             s.chain
-                .finish(here, next, &layout, &mut out.gradient, &mut out.hessian);
+                .finish(dynamics, here, next, &layout, gradient, hessian);
         }
         let (program, s) = (&self.program, &self.scratch);
         let interval = &program.intervals[t];
@@ -321,11 +324,46 @@ impl Trajectory {
                     }
                 }
                 let gradient = gradients.iter().zip(weights).map(|(g, w)| g.0 * *w).sum();
-                frame.pose_hessian(relative, &gradient, &h.pose, |k, l, value| {
-                    let (i, j) = (first + frame.cols[k], first + frame.cols[l]);
-                    out.hessian[i.min(j) * n + i.max(j)] += value;
-                });
+                self.pose_sums[0][force.slot].add(&gradient, &h.pose);
             }
+        }
+    }
+}
+
+/// What the terms of one relative pose add up to: gradients by increments of a and the Hessian.
+#[derive(Debug, Clone)]
+pub(crate) struct PoseSum {
+    /// Of the costs alone.
+    cost_gradient: Vector6<f64>,
+    /// Of the Lagrangian.
+    gradient: Vector6<f64>,
+    hessian: Matrix6<f64>,
+    is_zero: bool,
+}
+
+impl PoseSum {
+    /// Nothing yet.
+    pub fn new() -> Self {
+        Self {
+            cost_gradient: Vector6::zeros(),
+            gradient: Vector6::zeros(),
+            hessian: Matrix6::zeros(),
+            is_zero: true,
+        }
+    }
+
+    fn clear(&mut self) {
+        if !self.is_zero {
+            *self = Self::new();
+        }
+    }
+
+    /// Adds a term; one far away, whose gradient is zero, costs nothing later.
+    fn add(&mut self, gradient: &Vector6<f64>, hessian: &Matrix6<f64>) {
+        if *gradient != Vector6::zeros() || *hessian != Matrix6::zeros() {
+            self.gradient += gradient;
+            self.hessian += hessian;
+            self.is_zero = false;
         }
     }
 }

@@ -66,7 +66,11 @@ impl At<'_> {
                     jacobian[first] = if by_b { 1.0 } else { -1.0 };
                 } else {
                     let d = self.difference;
-                    let block = if by_b { &d.by_b[floating] } else { &d.by_a[floating] };
+                    let block = if by_b {
+                        d.by_b[floating]
+                    } else {
+                        -d.by_a[floating]
+                    };
                     jacobian[first * m..(first + m) * m].copy_from_slice(block.as_slice());
                 }
                 first += m;

@@ -6,6 +6,7 @@
 
 use super::{Chain, Motion};
 use crate::program::Interval;
+use multibody::RneaHessian;
 use nalgebra::DMatrix;
 
 /// Local offsets of an element's variables; `None` for what is fixed.
@@ -35,7 +36,14 @@ impl StateLayout {
 
 impl Chain {
     /// Writes the columns q, v, v⁺, T of the rows F/scale into a column-major Jacobian with `nv` rows.
-    pub fn state_rows(&self, layout: &StateLayout, scale: &[f64], jacobian: &mut [f64]) {
+    pub fn state_rows(
+        &self,
+        dynamics: &RneaHessian,
+        layout: &StateLayout,
+        scale: &[f64],
+        jacobian: &mut [f64],
+    ) {
+        let (by_v, mass) = (dynamics.dtau_dv(), dynamics.dtau_da());
         let Motion { a, dt, steps, .. } = &self.motion;
         let (dt, nv) = (*dt, a.len());
         let mut write = |first: Option<usize>, value: &dyn Fn(usize, usize) -> f64| {
@@ -48,17 +56,24 @@ impl Chain {
             }
         };
         write(layout.q, &|r, c| self.by_q[(r, c)]);
-        write(layout.v, &|r, c| self.by_v[(r, c)] - self.mass[(r, c)] / dt);
-        write(layout.v_next, &|r, c| self.mass[(r, c)] / dt);
+        write(layout.v, &|r, c| by_v[(r, c)] - mass[(r, c)] / dt);
+        write(layout.v_next, &|r, c| mass[(r, c)] / dt);
         let column = &mut jacobian[layout.time * nv..(layout.time + 1) * nv];
         for (r, o) in column.iter_mut().enumerate() {
-            let by_dt: f64 = (0..nv).map(|k| -self.mass[(r, k)] * a[k] / dt).sum();
+            let by_dt: f64 = (0..nv).map(|k| -mass[(r, k)] * a[k] / dt).sum();
             *o = by_dt / (steps * scale[r]);
         }
     }
 
     /// Adds the cost gradient and the Hessian of the Lagrangian to the element.
-    pub fn state_finish(&mut self, layout: &StateLayout, gradient: &mut [f64], hessian: &mut [f64]) {
+    pub fn state_finish(
+        &mut self,
+        dynamics: &RneaHessian,
+        layout: &StateLayout,
+        gradient: &mut [f64],
+        hessian: &mut [f64],
+    ) {
+        let qa = dynamics.hessian_qa();
         let n = gradient.len();
         let Motion { a, dt, steps, .. } = &self.motion;
         let (dt, steps, nv) = (*dt, *steps, a.len());
@@ -85,11 +100,11 @@ impl Chain {
             }
         };
         lower(q, &self.qq);
-        lower(v, &self.vv);
+        lower(v, dynamics.hessian_vv());
         for i in 0..nv {
             let curvature = self.da[i] / (dt * dt);
             if let Some(v) = v {
-                add(v + i, v + i, curvature);
+                add(v + i, v + i, self.dv[i] + curvature);
             }
             if let Some(v_next) = v_next {
                 add(v_next + i, v_next + i, curvature);
@@ -111,7 +126,7 @@ impl Chain {
         let Some(q) = q else { return };
         for c in 0..nv {
             for r in 0..nv {
-                let by_a = self.qa[(r, c)] / dt;
+                let by_a = qa[(r, c)] / dt;
                 if let Some(v) = v {
                     add(q + r, v + c, self.qv[(r, c)] - by_a);
                 }
