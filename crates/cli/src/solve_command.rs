@@ -170,6 +170,8 @@ pub(crate) fn report(finished: &Finished) -> Value {
         })),
         "check": finished.verdict.as_ref().map(|v| json!({ "ok": v.ok(), "failed": v.failed })),
         "summary": solved.best.as_ref().map(|found| result_json::summary(&found.summary)),
+        "refinement": solved.best.as_ref().map(|found| result_json::refinement(&found.refined)),
+        "quality": solved.best.as_ref().map(|found| &found.quality),
     })
 }
 
@@ -178,7 +180,7 @@ fn text(finished: &Finished, report: &Path) -> String {
     let solved = &finished.solved;
     let title = format!("{}, {}", finished.scene, finished.sequence);
     let mut text = match &solved.best {
-        Some(found) => result_text::motion(&title, solved.feasible, &found.summary),
+        Some(found) => result_text::motion(&title, solved.feasible, found),
         None => format!("{title}: no plan, there are no keyframes\n"),
     };
     if let Some(motion) = &solved.motion {

@@ -1,8 +1,11 @@
 //! What a caller asks for, sees on the way and gets.
 
+use crate::quality::{self, Quality};
 use crate::refine::Refined;
-use crate::summary::Summary;
-use ocp::{Integrator, Preset, Refinement};
+use crate::summary::{self, Summary};
+use crate::export;
+use ocp::{Integrator, Motion, Preset, Refinement};
+use scene::Scene;
 use symbolic::SymbolicError;
 
 /// Options of one planning run.
@@ -136,6 +139,30 @@ pub struct Found {
     pub summary: Summary,
     /// What became of the finer grid.
     pub refined: Refined,
+    /// Smoothness, residuals between the nodes, margins.
+    pub quality: Quality,
+}
+
+impl Found {
+    /// Everything that is written about a motion.
+    pub(crate) fn of(
+        scene: &Scene,
+        labels: &[String],
+        motion: &mut Motion,
+        refined: Refined,
+    ) -> Self {
+        let quality = quality::measure(scene, motion);
+        let mut plan = export::plan(scene, labels, motion);
+        if let Ok(value) = serde_json::to_value(&quality) {
+            plan.extra.insert("quality".into(), value);
+        }
+        Self {
+            plan,
+            summary: summary::summarise(scene, labels, motion),
+            refined,
+            quality,
+        }
+    }
 }
 
 /// Result of a run.

@@ -7,6 +7,7 @@
 mod api;
 mod domain;
 mod export;
+mod quality;
 mod refine;
 mod search;
 mod solve;
@@ -15,6 +16,7 @@ mod summary;
 pub use api::{Attempt, Error, Event, Found, Outcome, Reached, Request};
 pub use domain::{domain, graph};
 pub use ocp::{Integrator, Preset, Refinement};
+pub use quality::{Margin, Peak, Quality, Residuals, Swing};
 pub use refine::Refined;
 pub use search::plan;
 pub use solve::{KeyframeReport, MotionReport, Solved, solve};

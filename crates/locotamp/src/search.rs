@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::time::Instant;
 
 use crate::api::{Attempt, Error, Event, Found, Outcome, Reached, Request};
-use crate::{domain, export, refine, summary};
+use crate::{domain, refine, summary};
 use ocp::{Integrator, Keyframes, Motion, Phase, Planner, Preset, Settings};
 use scene::Scene;
 use symbolic::search::Rejected;
@@ -66,13 +66,7 @@ pub fn plan(
             request,
             run.observe,
         );
-        let plan = export::plan(scene, &sequence.labels, &mut motion);
-        let summary = summary::summarise(scene, &sequence.labels, &mut motion);
-        let found = Found {
-            plan,
-            summary,
-            refined,
-        };
+        let found = Found::of(scene, &sequence.labels, &mut motion, refined);
         (found, motion.feasible)
     });
     Ok(Outcome {

@@ -132,11 +132,7 @@ pub fn solve(
         });
         let (mut motion, refined) =
             refine::refine(&planner, &phases, &settings, motion, request, observe);
-        solved.best = Some(Found {
-            plan: export::plan(scene, &labels, &mut motion),
-            summary: summary::summarise(scene, &labels, &mut motion),
-            refined,
-        });
+        solved.best = Some(Found::of(scene, &labels, &mut motion, refined));
     }
     solved.seconds = begin.elapsed().as_secs_f64();
     Ok(solved)

@@ -3,6 +3,7 @@
 //! Data flow: a [`scene::Scene`] and a sequence of [`Phase`]s become a [`Program`] (which variables and rows exist), a
 //! [`Trajectory`] evaluates it, the solver moves a [`Point`], [`motion`] solves it from keyframes to a checked result.
 
+mod between;
 mod chain;
 pub mod collision;
 mod derivatives;
@@ -21,6 +22,7 @@ mod states;
 mod system;
 pub mod terms;
 
+pub use between::Between;
 pub use motion::{Keyframes, Motion, Planner, Worst};
 pub use point::Point;
 pub use problem::{Trajectory, physical_wrench};
