@@ -278,8 +278,20 @@ impl Trajectory {
         let program = &self.program;
         let interval = &program.intervals[t];
         let n = program.structure.elements[t].vars.len();
-        let weight = program.settings.weights.force * program.share[interval.phase];
+        let share = program.share[interval.phase];
+        let weight = program.settings.weights.force * share;
         let s = &mut self.scratch;
+        for &(here, next) in &interval.changes {
+            let weight = program.settings.weights.force_rate / share;
+            let first = program.intervals[t + 1].wrench_var;
+            let variable = program.structure.elements[t].vars[next] - first;
+            let change = x.wrenches[t + 1][variable] - x.wrenches[t][here];
+            out.gradient[here] -= weight * change;
+            out.gradient[next] += weight * change;
+            out.hessian[here * n + here] += weight;
+            out.hessian[next * n + next] += weight;
+            out.hessian[here * n + next] -= weight;
+        }
         for force in &interval.forces {
             let wrench = physical_wrench(force, &x.wrenches[t]);
             let relative = &self.nodes[t].relatives[force.slot];

@@ -362,6 +362,15 @@ impl Trajectory {
                 objective += 0.5 * weight * (l - r) * (l - r);
             }
         }
+        if !interval.changes.is_empty() {
+            let weight = program.settings.weights.force_rate / share;
+            let first = program.intervals[t + 1].wrench_var;
+            let vars = &program.structure.elements[t].vars;
+            for &(here, next) in &interval.changes {
+                let change = x.wrenches[t + 1][vars[next] - first] - x.wrenches[t][here];
+                objective += 0.5 * weight * change * change;
+            }
+        }
         for node in element_nodes(program, t) {
             for term in &program.nodes[node].terms {
                 let pose = &self.nodes[node].relatives[term.slot].b_from_a;

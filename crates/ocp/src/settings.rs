@@ -54,6 +54,8 @@ pub struct Weights {
     pub acceleration: f64,
     /// Contact wrenches in units of their scale.
     pub force: f64,
+    /// Changes of contact wrenches from one interval to the next, in units of their scale; where velocities are unknowns.
+    pub force_rate: f64,
     /// Velocities of objects.
     pub object_velocity: f64,
     /// Accelerations of objects.
@@ -75,6 +77,7 @@ impl Default for Weights {
             velocity: 0.05,
             acceleration: 1e-3,
             force: 1e-3,
+            force_rate: 0.02,
             object_velocity: 0.01,
             object_acceleration: 1e-3,
             time: 1.0,

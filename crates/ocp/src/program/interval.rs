@@ -121,6 +121,8 @@ pub struct Interval {
     pub velocity: Option<usize>,
     /// Local offset of v_{t+1}, where it is an unknown of its own.
     pub velocity_next: Option<usize>,
+    /// Wrench variables of this interval (local) and of the next one (local) whose differences cost.
+    pub changes: Vec<(usize, usize)>,
     /// Can nodes t and t+1 differ.
     pub moves: bool,
     /// Is v_t free (not rest).

@@ -1,6 +1,6 @@
 //! Durations, the variables of every element and the columns of every block.
 
-use super::{Builder, Grid};
+use super::{Builder, Grid, Interval};
 
 impl Builder<'_> {
     /// Lists the variables of every element and the columns of every block, now that all terms are known.
@@ -62,6 +62,10 @@ impl Builder<'_> {
                 i.b = Some(in_motion);
                 vars.extend(first..first + nv);
             }
+            if states && t + 1 < n {
+                Self::changes(&mut p.intervals[t..=t + 1], &mut vars);
+            }
+            let i = &p.intervals[t];
             let e = &mut p.structure.elements[t];
             e.vars = vars;
             if i.dynamics {
@@ -130,6 +134,22 @@ impl Builder<'_> {
                     e.blocks[term.block].cols =
                         at(first, p.nodes[node].frames[term.slot]).collect();
                 }
+            }
+        }
+    }
+}
+
+impl Builder<'_> {
+    /// Appends the wrench variables of the next interval whose contacts are those of this one.
+    fn changes(pair: &mut [Interval], vars: &mut Vec<usize>) {
+        let [here, next] = pair else { return };
+        for force in &here.forces {
+            let Some(same) = next.forces.iter().find(|f| f.contact == force.contact) else {
+                continue;
+            };
+            for k in 0..force.n {
+                here.changes.push((force.first + k, vars.len()));
+                vars.push(next.wrench_var + same.first + k);
             }
         }
     }
