@@ -135,6 +135,12 @@ pub(crate) struct BenchOptions {
     /// Only sequences whose path below the folder contains this text
     #[arg(long, value_name = "TEXT")]
     pub filter: Option<String>,
+    /// Solve this many random variants of every scene too: objects ±5 cm, masses × 0.5 to 2, tables ±3 cm, friction ±20 %
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub variants: usize,
+    /// Largest number of intervals of the sequences taken
+    #[arg(long, value_name = "N")]
+    pub max_intervals: Option<usize>,
     /// End each sequence after this many seconds
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub time_limit: Option<f64>,

@@ -27,7 +27,7 @@ use crate::collision::{CollisionModel, ExtraClearance};
 use crate::relative::RelativeFrame;
 use crate::settings::{Preset, Settings};
 use crate::system::System;
-use multibody::JointKind;
+use multibody::{JointKind, Kinematics};
 use scene::Scene;
 use solver::Structure;
 use symbolic::ContactState;
@@ -109,6 +109,8 @@ struct Builder<'a> {
     program: Program,
     keys: Vec<(usize, usize)>,
     labels: Vec<Vec<RowLabel>>,
+    /// Kinematics of the start.
+    start: Kinematics,
 }
 
 /// Parts of a phase in which growth after and before contact changes is counted, and the most of them that one interval is.
@@ -175,7 +177,9 @@ impl Program {
             },
             keys: vec![],
             labels: vec![vec![]; n],
+            start: Kinematics::new(&system.model),
         };
+        builder.start.update(&system.model, &system.start(scene));
         builder.scales();
         builder.variables();
         builder.costs();
