@@ -1,6 +1,6 @@
-//! From a contact sequence to a motion: keyframes, initial guess, trajectory, repair of missed collision pairs.
+//! From keyframes to a motion: trajectory, repair of missed collision pairs and of collisions between nodes.
 
-use crate::collision::{CollisionModel, ExtraClearance};
+use crate::collision::{Clearances, CollisionModel, ExtraClearance};
 use crate::guess;
 use crate::point::Point;
 use crate::problem::Trajectory;
@@ -12,17 +12,11 @@ use solver::{InteriorPoint, Iteration, Options, Problem, Report, Status, Timing}
 
 /// Rounds of solving with more collision pairs or more clearance.
 const REPAIRS: usize = 4;
-/// Configurations of a path per phase.
-const PATH_STEPS: usize = 4;
-/// Rounds of solving keyframes or a path with more collision pairs.
-const KEYFRAME_REPAIRS: usize = 3;
 /// Overlap half-way between two nodes that is tolerated [m].
 const BETWEEN_TOLERANCE: f64 = 0.002;
 /// Barrier parameter and relaxation with which a repair starts from the last solution.
 const REPAIR_BARRIER: f64 = 1e-3;
 const REPAIR_PUSH: f64 = 1e-4;
-/// Largest violation of a keyframe set that still counts as possible, in the rows' own units (m, rad).
-const KEYFRAME_TOLERANCE: f64 = 1e-4;
 
 /// A problem's worst row in words.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,19 +29,6 @@ pub struct Worst {
     pub interval: usize,
     /// Violation in the label's unit.
     pub amount: f64,
-}
-
-/// Keyframes of a sequence.
-#[derive(Debug, Clone)]
-pub struct Keyframes {
-    /// One configuration per phase boundary.
-    pub nodes: Vec<Vec<f64>>,
-    /// True if all rows hold.
-    pub possible: bool,
-    /// What is violated most.
-    pub worst: Option<Worst>,
-    /// The solver's report.
-    pub report: Report,
 }
 
 /// A motion.
@@ -97,112 +78,6 @@ impl<'a> Planner<'a> {
         })
     }
 
-    /// One configuration per phase boundary that satisfies all contacts and clearances, no statics.
-    ///
-    /// With [`Planner::keyframes_of_prefix`] the goal regions, which bind the end only, are left out.
-    pub fn keyframes(&self, phases: &[Phase], settings: &Settings) -> Keyframes {
-        self.solve_keyframes(phases, settings, Grid::Keyframes)
-    }
-
-    /// Keyframes of the beginning of a sequence: the goal need not be reached yet.
-    pub fn keyframes_of_prefix(&self, phases: &[Phase], settings: &Settings) -> Keyframes {
-        self.solve_keyframes(phases, settings, Grid::OpenKeyframes)
-    }
-
-    fn solve_keyframes(&self, phases: &[Phase], settings: &Settings, grid: Grid) -> Keyframes {
-        let none = ExtraClearance::new();
-        let nodes = guess::keyframes(self.scene, &self.system, phases);
-        let mut program = self.program(phases, settings, grid, &nodes, &none);
-        let mut point = guess::point(&program, self.scene, nodes);
-        let options = Options {
-            max_iterations: 80,
-            feasibility_tolerance: 1e-6,
-            dual_tolerance: 1e-2,
-            complementarity_tolerance: 1e-2,
-            min_barrier: 1e-6,
-            ..Options::default()
-        };
-        for round in 0.. {
-            let mut trajectory = Trajectory::new(program);
-            let structure = trajectory.structure().clone();
-            let report = InteriorPoint::new(&structure).solve(
-                &mut trajectory,
-                &mut point,
-                &options,
-                None,
-                &mut |_| true,
-            );
-            let possible = report.violation <= KEYFRAME_TOLERANCE;
-            if possible && round < KEYFRAME_REPAIRS {
-                let again = self.program(phases, settings, grid, &point.nodes, &none);
-                if violates_new_rows(&again, &point) {
-                    program = again;
-                    continue;
-                }
-            }
-            let worst = worst_row(&trajectory.program, &report, 1e-7);
-            return Keyframes {
-                nodes: point.nodes,
-                possible,
-                worst,
-                report,
-            };
-        }
-        unreachable!("the loop returns in its last round")
-    }
-
-    /// Configurations for all nodes of a motion, through a path around obstacles, or through the least violated one if none
-    /// is found.
-    pub fn guide(
-        &self,
-        phases: &[Phase],
-        settings: &Settings,
-        keyframes: &[Vec<f64>],
-    ) -> Vec<Vec<f64>> {
-        let coarse: Vec<Phase> = phases
-            .iter()
-            .map(|p| Phase {
-                state: p.state.clone(),
-                steps: PATH_STEPS,
-            })
-            .collect();
-        let nodes = guess::straight(&self.system, keyframes, PATH_STEPS);
-        let path = self.path(&coarse, settings, nodes);
-        let steps: Vec<usize> = phases.iter().map(|p| p.steps).collect();
-        guess::interpolate(&self.system, &steps, &path, PATH_STEPS)
-    }
-
-    /// A path from straight lines between keyframes.
-    fn path(&self, coarse: &[Phase], settings: &Settings, nodes: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
-        let none = ExtraClearance::new();
-        let mut program = self.program(coarse, settings, Grid::Path, &nodes, &none);
-        let mut point = guess::point(&program, self.scene, nodes);
-        let options = Options {
-            max_iterations: 60,
-            feasibility_tolerance: 1e-4,
-            dual_tolerance: 1e-1,
-            complementarity_tolerance: 1e-1,
-            min_barrier: 1e-5,
-            ..Options::default()
-        };
-        for _ in 0..=KEYFRAME_REPAIRS {
-            let mut trajectory = Trajectory::new(program);
-            let structure = trajectory.structure().clone();
-            let report = InteriorPoint::new(&structure).solve(
-                &mut trajectory,
-                &mut point,
-                &options,
-                None,
-                &mut |_| true,
-            );
-            program = self.program(coarse, settings, Grid::Path, &point.nodes, &none);
-            if report.violation > KEYFRAME_TOLERANCE || !violates_new_rows(&program, &point) {
-                break;
-            }
-        }
-        point.nodes
-    }
-
     /// Optimises the motion of a sequence from its keyframes; `observe` sees every iteration and may stop it.
     pub fn motion(
         &self,
@@ -213,7 +88,7 @@ impl<'a> Planner<'a> {
     ) -> Motion {
         let nodes = self.guide(phases, settings, keyframes);
         let mut extra = ExtraClearance::new();
-        let mut program = self.program(phases, settings, Grid::Motion, &nodes, &extra);
+        let mut program = self.program(phases, settings, Grid::Motion, near(&nodes, &extra));
         let mut point = guess::point(&program, self.scene, nodes);
         let (mut iterations, mut seconds, mut timing) = (0, 0.0, Timing::default());
         for round in 0.. {
@@ -246,7 +121,7 @@ impl<'a> Planner<'a> {
                         &point.nodes,
                         &mut extra,
                     );
-                let again = self.program(phases, settings, Grid::Motion, &point.nodes, &extra);
+                let again = self.program(phases, settings, Grid::Motion, near(&point.nodes, &extra));
                 if between || violates_new_rows(&again, &point) {
                     program = again;
                     continue;
@@ -289,13 +164,12 @@ impl<'a> Planner<'a> {
         !found.is_empty()
     }
 
-    fn program(
+    pub(crate) fn program(
         &self,
         phases: &[Phase],
         settings: &Settings,
         grid: Grid,
-        near: &[Vec<f64>],
-        extra: &ExtraClearance,
+        clearances: Clearances<'_>,
     ) -> Program {
         Program::new(
             self.scene,
@@ -304,10 +178,14 @@ impl<'a> Planner<'a> {
             phases,
             settings,
             grid,
-            near,
-            extra,
+            clearances,
         )
     }
+}
+
+/// The pairs that come near at these configurations.
+pub(crate) fn near<'a>(nodes: &'a [Vec<f64>], extra: &'a ExtraClearance) -> Clearances<'a> {
+    Clearances::Near { nodes, extra }
 }
 
 /// True if a point violates clearance rows of a program.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Ball, CollisionModel, ExtraClearance, Other, Primitive, SelfPair};
+use super::{Ball, Clearances, CollisionModel, ExtraClearance, Other, Primitive, SelfPair};
 use crate::program::{Grid, Phase, Program};
 use crate::settings::Preset;
 use crate::terms::PoseTerm;
@@ -17,7 +17,7 @@ pub(super) const NEAR: f64 = 0.15;
 /// Nodes before and after a node whose guide configurations count for it: phases shift while they are optimised.
 const WINDOW: usize = 2;
 /// What the smooth least distance may fall short of the true one where a keyframe must not be rejected [m].
-const BLUR: f64 = 1.4 * EVENNESS;
+pub(super) const BLUR: f64 = 1.4 * EVENNESS;
 /// Clearance demanded one node away from a contact of the same bodies [m], and its growth per node.
 const RAMP: (f64, f64) = (-0.008, 0.008);
 /// Nodes of a motion to which one of a path corresponds, for the growth of clearances.
@@ -51,8 +51,24 @@ impl CollisionModel {
         d.map_or(full, |d| full.min(RAMP.0 + RAMP.1 * d as f64))
     }
 
-    /// All pairs that get rows, given one guide configuration per node.
+    /// All pairs that get rows.
     pub fn pairs(
+        &self,
+        program: &Program,
+        scene: &Scene,
+        phases: &[Phase],
+        clearances: Clearances<'_>,
+    ) -> Vec<Pair> {
+        match clearances {
+            Clearances::Near { nodes, extra } => {
+                self.near_pairs(program, scene, phases, nodes, extra)
+            }
+            Clearances::Watched(watched) => self.watched_pairs(program, watched),
+        }
+    }
+
+    /// Pairs that come near in one guide configuration per node.
+    fn near_pairs(
         &self,
         program: &Program,
         scene: &Scene,
@@ -76,7 +92,7 @@ impl CollisionModel {
         let width = match program.grid {
             Grid::Motion => WINDOW,
             Grid::Path => 1,
-            Grid::Keyframes | Grid::OpenKeyframes => 0,
+            Grid::Keyframes | Grid::OpenKeyframes | Grid::State => 0,
         };
         let mut out = Vec::new();
         for t in 0..=n {
@@ -186,7 +202,7 @@ impl CollisionModel {
             (own, other) => own.or(other),
         };
         match program.grid {
-            Grid::Keyframes | Grid::OpenKeyframes => -BLUR,
+            Grid::Keyframes | Grid::OpenKeyframes | Grid::State => -BLUR,
             Grid::Path | Grid::Motion => Self::ramp(full, nodes),
         }
     }
@@ -250,7 +266,7 @@ impl CollisionModel {
                 continue;
             }
             let clearance = match program.grid {
-                Grid::Keyframes | Grid::OpenKeyframes => -BLUR,
+                Grid::Keyframes | Grid::OpenKeyframes | Grid::State => -BLUR,
                 _ => program
                     .settings
                     .margins

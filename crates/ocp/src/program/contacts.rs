@@ -74,6 +74,9 @@ impl Builder<'_> {
             }
             let by_velocity = !keyframes && self.program.settings.preset == Preset::Paper;
             let p = &mut self.program;
+            if p.grid == Grid::State {
+                continue;
+            }
             if here && p.nodes[t + 1].var.is_some() && (keyframes || p.intervals[t].v) {
                 if by_velocity {
                     self.slip_rows(t, contact, frame);

@@ -41,7 +41,7 @@ impl Builder<'_> {
             if p.nodes[t].var.is_none() || p.master_node(t) != t {
                 continue;
             }
-            let is_last = last == Some(t);
+            let is_last = last == Some(t) && p.grid != Grid::State;
             p.nodes[t].posture = if is_last { w.final_posture } else { w.posture };
             let slot = p.nodes[t].slot(0);
             p.nodes[t].costs.push(NodeCost {

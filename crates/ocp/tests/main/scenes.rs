@@ -236,6 +236,7 @@ pub fn program(seed: u64, grid: Grid, preset: Preset) -> (Trajectory, Point) {
     let n: usize = match grid {
         Grid::Motion | Grid::Path => 8,
         Grid::Keyframes | Grid::OpenKeyframes => 3,
+        Grid::State => 1,
     };
     let start = system.start(&scene);
     let mut nodes = vec![start.clone()];
@@ -257,8 +258,10 @@ pub fn program(seed: u64, grid: Grid, preset: Preset) -> (Trajectory, Point) {
         &phases,
         &settings,
         grid,
-        &nodes,
-        &std::collections::BTreeMap::default(),
+        ocp::collision::Clearances::Near {
+            nodes: &nodes,
+            extra: &std::collections::BTreeMap::default(),
+        },
     );
     let wrenches = program
         .intervals
