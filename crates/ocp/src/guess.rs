@@ -12,7 +12,8 @@ use spatial::Pose;
 use symbolic::{Contact, ContactState};
 
 /// Shares of the way and turns [rad] of the base in the guesses for a lone state.
-const STATE_GUESSES: [(f64, f64); 5] = [(1.0, 0.0), (0.0, 0.0), (1.6, 0.0), (1.0, 1.0), (1.0, -1.0)];
+const STATE_GUESSES: [(f64, f64); 5] =
+    [(1.0, 0.0), (0.0, 0.0), (1.6, 0.0), (1.0, 1.0), (1.0, -1.0)];
 /// First guess of a phase's duration [s].
 const DURATION: f64 = 0.7;
 
@@ -202,8 +203,15 @@ pub fn point(program: &Program, scene: &Scene, nodes: Vec<Vec<f64>>) -> Point {
 pub fn states(scene: &Scene, system: &System, state: &ContactState) -> Vec<Vec<f64>> {
     let phase = |state: ContactState| Phase { state, steps: 1 };
     let start = scene.start_contacts.iter().copied().collect();
-    let phases = [phase(start), phase(ContactState::default()), phase(state.clone())];
-    let (from, to) = (system.start(scene), keyframes(scene, system, &phases).swap_remove(3));
+    let phases = [
+        phase(start),
+        phase(ContactState::default()),
+        phase(state.clone()),
+    ];
+    let (from, to) = (
+        system.start(scene),
+        keyframes(scene, system, &phases).swap_remove(3),
+    );
     let Some(base_to) = to.first_chunk::<7>() else {
         return vec![to];
     };

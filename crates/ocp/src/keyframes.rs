@@ -229,10 +229,9 @@ fn options(grid: Grid) -> Options {
         dual_tolerance: optimality,
         complementarity_tolerance: optimality,
         min_barrier: 1e-6,
-        first_damping: env("DAMP", 1.0),
-        tightening: env("TIGHT", 0.8),
-        initial_barrier: env("MU", 1e-3),
-        bound_push: env("PUSH", 1e-2),
+        initial_barrier: 1e-3,
+        first_damping: 1.0,
+        tightening: 0.8,
         ..Options::default()
     }
 }
@@ -246,13 +245,10 @@ struct Stagnation {
 
 impl Stagnation {
     fn goes_on(&mut self, iteration: &Iteration) -> bool {
-        if std::env::var("TRACE").is_ok() {
-            eprintln!("{} v {:.2e} dual {:.1e} mu {:.1e} step {:.2} shift {:.1e} trials {}", iteration.number, iteration.violation, iteration.dual, iteration.barrier, iteration.step, iteration.shift, iteration.trials);
-        }
         let (violation, number) = (iteration.violation, iteration.number);
         match self.best {
             Some((best, since)) if violation > (1.0 - PROGRESS) * best => {
-                best <= KEYFRAME_TOLERANCE || number < since + PATIENCE.max(env("PATIENCE", 0.0) as usize)
+                best <= KEYFRAME_TOLERANCE || number < since + PATIENCE
             }
             _ => {
                 self.best = Some((violation, number));
@@ -260,8 +256,4 @@ impl Stagnation {
             }
         }
     }
-}
-
-fn env(name: &str, default: f64) -> f64 {
-    std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default)
 }

@@ -121,7 +121,8 @@ impl<'a> Planner<'a> {
                         &point.nodes,
                         &mut extra,
                     );
-                let again = self.program(phases, settings, Grid::Motion, near(&point.nodes, &extra));
+                let again =
+                    self.program(phases, settings, Grid::Motion, near(&point.nodes, &extra));
                 if between || violates_new_rows(&again, &point) {
                     program = again;
                     continue;

@@ -46,7 +46,10 @@ fn object_poses(
         if let Some(contact) = contact {
             if current.0 != Some(contact) {
                 let others = neighbours(scene, contact, phases, k, earlier);
-                current = (Some(contact), resting_pose(scene, contact, &current.1, &others));
+                current = (
+                    Some(contact),
+                    resting_pose(scene, contact, &current.1, &others),
+                );
             }
             known[k] = Some(current.1);
             known[k + 1] = Some(current.1);
@@ -100,12 +103,7 @@ fn neighbours(
 
 /// The object's pose with its surface on a support, turned as little as possible: in the middle, or as near to it as others
 /// leave room.
-fn resting_pose(
-    scene: &Scene,
-    contact: Contact,
-    now: &Pose,
-    others: &[(Contact, Pose)],
-) -> Pose {
+fn resting_pose(scene: &Scene, contact: Contact, now: &Pose, others: &[(Contact, Pose)]) -> Pose {
     let (a, b) = (
         &scene.interfaces[contact.a.0],
         &scene.interfaces[contact.b.0],

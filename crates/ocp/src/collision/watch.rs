@@ -19,6 +19,8 @@ use symbolic::{Contact, ContactState};
 
 /// Violation from which on a pair is watched [m].
 const VIOLATED: f64 = 1e-5;
+/// Distance below which the others are watched too, once one is violated [m].
+const NEAR: f64 = 0.02;
 
 /// Nodes and rows that get a place in the program.
 pub type Watched = BTreeSet<(usize, usize)>;
@@ -79,7 +81,10 @@ impl CollisionModel {
         let on_robot = |i: &Interface| matches!(i.owner, Owner::Robot { .. });
         let mut out = BTreeSet::new();
         for a in interfaces.iter().filter(|a| a.lands) {
-            for b in interfaces.iter().filter(|b| !on_robot(b) && b.owner != a.owner) {
+            for b in interfaces
+                .iter()
+                .filter(|b| !on_robot(b) && b.owner != a.owner)
+            {
                 out.extend(touches(system, a, b));
             }
         }
@@ -125,7 +130,7 @@ impl CollisionModel {
     ) -> bool {
         let model = &program.system.model;
         let mut kinematics = Kinematics::new(model);
-        let before = watched.len();
+        let mut is_new = false;
         for (t, q) in nodes.iter().enumerate() {
             if program.nodes[t].var.is_none() {
                 continue;
@@ -139,17 +144,20 @@ impl CollisionModel {
             };
             kinematics.update(model, q);
             for (index, row) in self.rows.iter().enumerate() {
-                if !row.touch.is_some_and(|pair| touching.contains(&pair))
-                    && self.is_violated(row, &kinematics)
-                {
-                    watched.insert((t, index));
+                if row.touch.is_some_and(|pair| touching.contains(&pair)) {
+                    continue;
+                }
+                let distance = self.distance(row, &kinematics);
+                if distance < NEAR - BLUR {
+                    is_new |= watched.insert((t, index)) && distance < -VIOLATED - BLUR;
                 }
             }
         }
-        watched.len() > before
+        is_new
     }
 
-    fn is_violated(&self, row: &Row, kinematics: &Kinematics) -> bool {
+    /// Distance of a row's bodies [m]; infinite if it is more than [`NEAR`] for sure.
+    fn distance(&self, row: &Row, kinematics: &Kinematics) -> f64 {
         let world_from_a = &kinematics.world_from_joint[row.a];
         let (centre, radius) = self.bounds[row.a];
         if let Some((other, other_radius)) = row.bound {
@@ -157,9 +165,9 @@ impl CollisionModel {
             let b = row
                 .b
                 .map_or(other, |b| kinematics.world_from_joint[b].act(other));
-            let reach = radius + other_radius + row.blur;
+            let reach = radius + other_radius + row.blur + NEAR;
             if (a - b).norm_squared() > reach * reach {
-                return false;
+                return f64::INFINITY;
             }
         }
         let b_from_a = match row.b {
@@ -168,7 +176,7 @@ impl CollisionModel {
         };
         let mut value = [f64::NAN];
         row.term.values(&b_from_a, &mut value);
-        value[0] < -BLUR - VIOLATED
+        value[0]
     }
 
     /// The rows as pairs for the program.
