@@ -115,6 +115,18 @@ pub struct Attempt {
     pub seconds: f64,
 }
 
+/// Contacts that no configuration satisfies together: states that contain them, and transitions that join them, were refused
+/// before any sequence with them was looked at.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Impossible {
+    /// The contacts, "a on b".
+    pub contacts: Vec<String>,
+    /// Why, in words.
+    pub reason: String,
+    /// Number of states and transitions that were refused for it.
+    pub refused: usize,
+}
+
 /// A plan with its summary.
 #[derive(Debug, Clone)]
 pub struct Found {
@@ -133,6 +145,8 @@ pub struct Outcome {
     pub feasible: bool,
     /// All sequences tried, in order.
     pub attempts: Vec<Attempt>,
+    /// Contacts that were found to exclude one another.
+    pub impossible: Vec<Impossible>,
     /// Why the search ended, in words.
     pub ended: String,
     /// Wall time [s].

@@ -5,13 +5,14 @@
 //! observer, which can stop the search at any time and then gets the best so far.
 
 mod api;
+mod checks;
 mod domain;
 mod export;
 mod search;
 mod solve;
 mod summary;
 
-pub use api::{Attempt, Error, Event, Found, Outcome, Reached, Request};
+pub use api::{Attempt, Error, Event, Found, Impossible, Outcome, Reached, Request};
 pub use domain::{domain, graph};
 pub use ocp::Preset;
 pub use search::plan;

@@ -1,14 +1,14 @@
-//! The plan search: sequences best first, keyframes as a filter, the trajectory optimiser as the judge.
+//! The plan search: sequences best first, states, transitions and keyframes as filters, the trajectory optimiser as the judge.
 
-use std::collections::BTreeSet;
 use std::time::Instant;
 
 use crate::api::{Attempt, Error, Event, Found, Outcome, Reached, Request};
+use crate::checks::Checks;
 use crate::{domain, export, summary};
 use ocp::{Keyframes, Motion, Phase, Planner, Settings};
 use scene::Scene;
 use symbolic::search::Rejected;
-use symbolic::{BestFirst, Costs, Oracle, Sequence};
+use symbolic::{BestFirst, Costs, Sequence};
 
 /// Overlap of bodies at the start that is tolerated [m]: less than the collision model's own accuracy.
 const START_OVERLAP: f64 = 0.005;
@@ -43,17 +43,18 @@ pub fn plan(
         max_phases: search.max_phases(),
         skeleton,
     };
+    let settings = Settings::new(request.preset, &scene.optimiser);
     let mut run = Run {
         scene,
         request,
-        settings: Settings::new(request.preset, &scene.optimiser),
-        planner,
+        settings: &settings,
+        planner: &planner,
+        checks: Checks::new(&planner, &settings, begin, request.time_limit),
         begin,
         stopped: !observe(&started),
         observe,
         attempts: vec![],
         best: None,
-        possible_prefixes: BTreeSet::new(),
     };
     let ended = run.search(search);
     let best = run.best.map(|(mut motion, sequence)| {
@@ -65,6 +66,7 @@ pub fn plan(
         feasible: best.as_ref().is_some_and(|b| b.1),
         best: best.map(|b| b.0),
         attempts: run.attempts,
+        impossible: run.checks.impossible(),
         ended,
         seconds: begin.elapsed().as_secs_f64(),
     })
@@ -73,35 +75,19 @@ pub fn plan(
 struct Run<'a> {
     scene: &'a Scene,
     request: &'a Request,
-    settings: Settings,
-    planner: Planner<'a>,
+    settings: &'a Settings,
+    planner: &'a Planner<'a>,
+    checks: Checks<'a>,
     begin: Instant,
     stopped: bool,
     observe: &'a mut dyn FnMut(&Event) -> bool,
     attempts: Vec<Attempt>,
     best: Option<(Motion, Sequence)>,
-    possible_prefixes: BTreeSet<Vec<symbolic::ContactState>>,
-}
-
-/// Ends the symbolic search when time is up.
-struct Clock {
-    deadline: f64,
-    begin: Instant,
-}
-
-impl Oracle for Clock {
-    fn stop(&mut self) -> bool {
-        self.begin.elapsed().as_secs_f64() > self.deadline
-    }
 }
 
 impl Run<'_> {
     /// Tries sequences until enough plans are found; says why it ended.
     fn search(&mut self, mut search: BestFirst) -> String {
-        let mut clock = Clock {
-            deadline: self.request.time_limit,
-            begin: self.begin,
-        };
         let (mut feasible, mut optimised) = (0, 0);
         for number in 1.. {
             if self.stopped {
@@ -113,7 +99,7 @@ impl Run<'_> {
             if optimised >= self.request.max_optimised {
                 return format!("{optimised} sequences optimised, the limit");
             }
-            let Some(sequence) = search.next(&mut clock) else {
+            let Some(sequence) = search.next(&mut self.checks) else {
                 return match search.status() {
                     symbolic::Status::Stopped => {
                         format!("time limit of {} s", self.request.time_limit)
@@ -144,7 +130,7 @@ impl Run<'_> {
             labels: labels.clone(),
         });
         let phases = self.phases(sequence);
-        let keyframes = self.planner.keyframes(&phases, &self.settings);
+        let keyframes = self.planner.keyframes(&phases, self.settings);
         let mut attempt = Attempt {
             number,
             labels,
@@ -185,7 +171,7 @@ impl Run<'_> {
         let (observe, stopped) = (&mut self.observe, &mut self.stopped);
         let motion = self
             .planner
-            .motion(phases, &self.settings, &keyframes.nodes, &mut |i| {
+            .motion(phases, self.settings, &keyframes.nodes, &mut |i| {
                 let event = Event::Iteration {
                     number,
                     iteration: i.number,
@@ -226,13 +212,13 @@ impl Run<'_> {
     /// Finds the shortest impossible beginning, so that nothing that starts with it is tried again. If the contacts
     /// alone are possible, only the goal is out of reach, and longer sequences may still get there.
     fn reject_prefix(&mut self, sequence: &Sequence, phases: &[Phase], search: &mut BestFirst) {
-        if self.prefix_possible(sequence, phases, phases.len()) {
+        if self.checks.prefix_possible(phases) {
             return;
         }
         let (mut possible, mut impossible) = (0, phases.len());
         while impossible - possible > 1 {
             let middle = usize::midpoint(possible, impossible);
-            if self.prefix_possible(sequence, phases, middle) {
+            if self.checks.prefix_possible(&phases[..middle]) {
                 possible = middle;
             } else {
                 impossible = middle;
@@ -243,21 +229,6 @@ impl Run<'_> {
             Rejected::Prefix(prefix),
             "no keyframes satisfy these contacts",
         );
-    }
-
-    fn prefix_possible(&mut self, sequence: &Sequence, phases: &[Phase], length: usize) -> bool {
-        let states = sequence.states[..length].to_vec();
-        if self.possible_prefixes.contains(&states) {
-            return true;
-        }
-        let possible = self
-            .planner
-            .keyframes_of_prefix(&phases[..length], &self.settings)
-            .possible;
-        if possible {
-            self.possible_prefixes.insert(states);
-        }
-        possible
     }
 
     fn phases(&self, sequence: &Sequence) -> Vec<Phase> {
