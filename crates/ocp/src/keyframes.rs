@@ -23,6 +23,9 @@ use symbolic::ContactState;
 
 /// Rounds of solving with more collision pairs.
 const ROUNDS: usize = 8;
+/// Distance below which pairs get a row once one is violated, and in a guess [m].
+const NEAR: f64 = 0.02;
+const GUESS_NEAR: f64 = 0.1;
 /// Iterations after which the violation must have fallen by this share.
 const PATIENCE: usize = 12;
 const PROGRESS: f64 = 0.1;
@@ -90,15 +93,18 @@ impl Planner<'_> {
 }
 
 /// One question about configurations.
-struct Ask<'a> {
+pub(crate) struct Ask<'a> {
     planner: &'a Planner<'a>,
     phases: &'a [Phase],
     settings: &'a Settings,
     grid: Grid,
+    /// Short steps: slower, with other local minima.
+    careful: bool,
 }
 
 impl<'a> Ask<'a> {
-    fn new(
+    /// Keyframes of these phases.
+    pub fn new(
         planner: &'a Planner<'a>,
         phases: &'a [Phase],
         settings: &'a Settings,
@@ -109,19 +115,67 @@ impl<'a> Ask<'a> {
             phases,
             settings,
             grid,
+            careful: false,
         }
     }
 
-    /// Solves from two guesses: from the sequence alone, and boundary by boundary.
+    /// Solves from a guess from the sequence alone, then from one that was solved boundary by boundary, at last with short
+    /// steps and, if clearances resist, with those of all that is near the guess from the beginning: once a link is inside
+    /// something, its row may lead out on the wrong side.
     fn answer(&self) -> Keyframes {
         let guess = guess::keyframes(self.planner.scene, &self.planner.system, self.phases);
-        let (first, _) = self.solve(guess.clone(), Watched::new());
-        if first.possible || self.phases.len() < 2 {
+        let (first, first_rows) = self.solve(guess.clone(), Watched::new());
+        if first.possible {
             return first;
         }
-        let (nodes, watched) = self.forward(guess);
-        let (second, _) = self.solve(nodes, watched);
-        less_violated(Some(first), second)
+        let (nodes, watched) = self.forward(guess.clone());
+        let (second, second_rows) = self.solve(nodes, watched);
+        let best = less_violated(Some(first), second);
+        if best.possible {
+            return best;
+        }
+        let resist = !first_rows.is_empty() || !second_rows.is_empty();
+        let near = if resist {
+            self.near(&guess)
+        } else {
+            Watched::new()
+        };
+        let careful = Ask {
+            careful: true,
+            ..*self
+        };
+        less_violated(Some(best), careful.solve(guess, near).0)
+    }
+
+    /// Rows of all that is near at these configurations.
+    fn near(&self, nodes: &[Vec<f64>]) -> Watched {
+        let Planner {
+            scene, collisions, ..
+        } = self.planner;
+        let mut watched = Watched::new();
+        if self.settings.preset == Preset::Default {
+            let program = self.first_program(nodes, &watched);
+            collisions.watch(
+                &program,
+                scene,
+                self.phases,
+                nodes,
+                GUESS_NEAR,
+                &mut watched,
+            );
+        }
+        watched
+    }
+
+    /// The answer from another first configuration than the scene's start; `None` if it is no.
+    pub fn answer_from(&self, first: &[f64]) -> Option<Keyframes> {
+        let start = std::iter::once(first.to_vec());
+        let nodes = start
+            .chain(self.phases.iter().map(|_| first.to_vec()))
+            .collect();
+        let (nodes, watched) = self.forward(nodes);
+        let found = self.solve(nodes, watched).0;
+        found.possible.then_some(found)
     }
 
     /// A guess from solving a few phases at a time, each time from the first boundary of the time before.
@@ -170,7 +224,7 @@ impl<'a> Ask<'a> {
             let report = InteriorPoint::new(&structure).solve(
                 &mut trajectory,
                 &mut point,
-                &options(self.grid),
+                &self.options(),
                 None,
                 &mut |i| stagnation.goes_on(i),
             );
@@ -182,7 +236,7 @@ impl<'a> Ask<'a> {
             if watches
                 && possible
                 && round < ROUNDS
-                && model.watch(solved, scene, phases, &point.nodes, &mut watched)
+                && model.watch(solved, scene, phases, &point.nodes, NEAR, &mut watched)
             {
                 let clearances = Clearances::Watched(&watched);
                 program = planner.program(phases, self.settings, self.grid, clearances);
@@ -198,6 +252,29 @@ impl<'a> Ask<'a> {
             return (keyframes, watched);
         }
         unreachable!("the loop returns in its last round")
+    }
+
+    fn options(&self) -> Options {
+        let lone = self.grid == Grid::State;
+        let optimality = if lone { f64::INFINITY } else { 1e-2 };
+        let swift = if self.careful {
+            Options::default()
+        } else {
+            Options {
+                initial_barrier: 1e-3,
+                first_damping: 1.0,
+                tightening: 0.8,
+                ..Options::default()
+            }
+        };
+        Options {
+            max_iterations: 80,
+            feasibility_tolerance: if lone { 0.5 * KEYFRAME_TOLERANCE } else { 1e-6 },
+            dual_tolerance: optimality,
+            complementarity_tolerance: optimality,
+            min_barrier: 1e-6,
+            ..swift
+        }
     }
 
     /// With the preset `paper` the penalties of what is near the guess make it avoid obstacles.
@@ -217,22 +294,6 @@ fn less_violated(a: Option<Keyframes>, b: Keyframes) -> Keyframes {
     match a {
         Some(a) if !b.possible && a.report.violation <= b.report.violation => a,
         _ => b,
-    }
-}
-
-fn options(grid: Grid) -> Options {
-    let lone = grid == Grid::State;
-    let optimality = if lone { f64::INFINITY } else { 1e-2 };
-    Options {
-        max_iterations: 80,
-        feasibility_tolerance: if lone { 0.5 * KEYFRAME_TOLERANCE } else { 1e-6 },
-        dual_tolerance: optimality,
-        complementarity_tolerance: optimality,
-        min_barrier: 1e-6,
-        initial_barrier: 1e-3,
-        first_damping: 1.0,
-        tightening: 0.8,
-        ..Options::default()
     }
 }
 

@@ -5,6 +5,7 @@ use crate::guess;
 use crate::point::Point;
 use crate::problem::Trajectory;
 use crate::program::{Grid, Phase, Program, RowLabel};
+use crate::relative_motion::{Relative, Start};
 use crate::settings::{Preset, Settings};
 use crate::system::System;
 use scene::Scene;
@@ -86,10 +87,46 @@ impl<'a> Planner<'a> {
         keyframes: &[Vec<f64>],
         observe: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Motion {
-        let nodes = self.guide(phases, settings, keyframes);
+        let start = Start {
+            nodes: self.guide(phases, settings, keyframes),
+            relative: None,
+        };
+        self.optimise(phases, settings, start, observe)
+    }
+
+    /// The same from a relative ([`Motion::relative`]) if that leads to a motion; `None` if it does not, or if the two share
+    /// too little.
+    pub fn motion_from(
+        &self,
+        phases: &[Phase],
+        settings: &Settings,
+        relative: &Relative,
+        observe: &mut dyn FnMut(&Iteration) -> bool,
+    ) -> Option<Motion> {
+        let start = self.start_from(phases, settings, relative)?;
+        let motion = self.optimise(phases, settings, start, observe);
+        let ended = motion.feasible || motion.report.status == Status::Interrupted;
+        ended.then_some(motion)
+    }
+
+    fn optimise(
+        &self,
+        phases: &[Phase],
+        settings: &Settings,
+        start: Start<'_>,
+        observe: &mut dyn FnMut(&Iteration) -> bool,
+    ) -> Motion {
+        let Start { nodes, relative } = start;
         let mut extra = ExtraClearance::new();
         let mut program = self.program(phases, settings, Grid::Motion, near(&nodes, &extra));
         let mut point = guess::point(&program, self.scene, nodes);
+        let mut multipliers = relative.map(|(relative, kept)| {
+            relative.fill(kept, &mut point);
+            relative.multipliers(kept, &program)
+        });
+        if env("NOMULT", 0.0) > 0.0 {
+            multipliers = None;
+        }
         let (mut iterations, mut seconds, mut timing) = (0, 0.0, Timing::default());
         for round in 0.. {
             let mut trajectory = Trajectory::new(program);
@@ -98,6 +135,12 @@ impl<'a> Planner<'a> {
                 max_iterations: settings.max_iterations,
                 ..Options::default()
             };
+            if relative.is_some() && round == 0 {
+                options.initial_barrier = env("WMU", REPAIR_BARRIER);
+                options.bound_push = env("WPUSH", REPAIR_PUSH);
+                options.first_damping = env("WDAMP", 0.25);
+                options.tightening = env("WTIGHT", 0.25);
+            }
             if round > 0 {
                 options.initial_barrier = REPAIR_BARRIER;
                 options.bound_push = REPAIR_PUSH;
@@ -106,7 +149,7 @@ impl<'a> Planner<'a> {
                 &mut trajectory,
                 &mut point,
                 &options,
-                None,
+                multipliers.take().as_deref(),
                 observe,
             );
             iterations += report.iterations;
@@ -252,4 +295,11 @@ pub fn hardest_limit(program: &Program, report: &Report) -> Option<Worst> {
         }
     }
     hardest.map(|h| h.1)
+}
+
+fn env(name: &str, default: f64) -> f64 {
+    std::env::var(name)
+        .ok()
+        .and_then(|v| v.parse().ok())
+        .unwrap_or(default)
 }

@@ -19,8 +19,6 @@ use symbolic::{Contact, ContactState};
 
 /// Violation from which on a pair is watched [m].
 const VIOLATED: f64 = 1e-5;
-/// Distance below which the others are watched too, once one is violated [m].
-const NEAR: f64 = 0.02;
 
 /// Nodes and rows that get a place in the program.
 pub type Watched = BTreeSet<(usize, usize)>;
@@ -119,13 +117,15 @@ impl CollisionModel {
         }
     }
 
-    /// Adds the rows that are violated at one configuration per node; true if there is a new one.
+    /// Adds the rows whose bodies are nearer than `near` [m] at one configuration per node; true if a new one is violated.
+    #[allow(clippy::too_many_arguments)] // a program, a point and what to look for
     pub fn watch(
         &self,
         program: &Program,
         scene: &Scene,
         phases: &[Phase],
         nodes: &[Vec<f64>],
+        near: f64,
         watched: &mut Watched,
     ) -> bool {
         let model = &program.system.model;
@@ -147,8 +147,8 @@ impl CollisionModel {
                 if row.touch.is_some_and(|pair| touching.contains(&pair)) {
                     continue;
                 }
-                let distance = self.distance(row, &kinematics);
-                if distance < NEAR - BLUR {
+                let distance = self.distance(row, &kinematics, near);
+                if distance < near - BLUR {
                     is_new |= watched.insert((t, index)) && distance < -VIOLATED - BLUR;
                 }
             }
@@ -156,8 +156,8 @@ impl CollisionModel {
         is_new
     }
 
-    /// Distance of a row's bodies [m]; infinite if it is more than [`NEAR`] for sure.
-    fn distance(&self, row: &Row, kinematics: &Kinematics) -> f64 {
+    /// Distance of a row's bodies [m]; infinite if it is more than `near` for sure.
+    fn distance(&self, row: &Row, kinematics: &Kinematics, near: f64) -> f64 {
         let world_from_a = &kinematics.world_from_joint[row.a];
         let (centre, radius) = self.bounds[row.a];
         if let Some((other, other_radius)) = row.bound {
@@ -165,7 +165,7 @@ impl CollisionModel {
             let b = row
                 .b
                 .map_or(other, |b| kinematics.world_from_joint[b].act(other));
-            let reach = radius + other_radius + row.blur + NEAR;
+            let reach = radius + other_radius + row.blur + near;
             if (a - b).norm_squared() > reach * reach {
                 return f64::INFINITY;
             }

@@ -41,7 +41,8 @@ impl Builder<'_> {
             if p.nodes[t].var.is_none() || p.master_node(t) != t {
                 continue;
             }
-            let is_last = last == Some(t) && p.grid != Grid::State;
+            let ends = !matches!(p.grid, Grid::OpenKeyframes | Grid::State);
+            let is_last = ends && last == Some(t);
             p.nodes[t].posture = if is_last { w.final_posture } else { w.posture };
             let slot = p.nodes[t].slot(0);
             p.nodes[t].costs.push(NodeCost {

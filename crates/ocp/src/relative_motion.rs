@@ -1,0 +1,170 @@
+//! A motion as the start of a relative: a sequence with the same beginning, or the same sequence in a scene that differs a
+//! little.
+//!
+//! Phases that both share keep configurations, wrenches, durations and multipliers. Where the sequences part, the last shared
+//! phase is planned anew, since it leads elsewhere: keyframes from its first configuration, a path, the first guess for the
+//! rest.
+
+use crate::keyframes::Ask;
+use crate::motion::{Motion, Planner};
+use crate::point::Point;
+use crate::program::{Grid, Phase, Program, RowLabel};
+use crate::settings::Settings;
+use solver::Report;
+use symbolic::ContactState;
+
+/// What a motion leaves to its relatives.
+#[derive(Debug, Clone)]
+pub struct Relative {
+    phases: Vec<Phase>,
+    point: Point,
+    /// Labels and multipliers of the rows of every interval.
+    rows: Vec<Vec<(RowLabel, f64)>>,
+}
+
+/// Where a motion starts: configurations, and the rest of what is shared with a relative.
+pub(crate) struct Start<'a> {
+    /// One configuration per node.
+    pub nodes: Vec<Vec<f64>>,
+    /// The relative and the number of phases that are taken from it.
+    pub relative: Option<(&'a Relative, usize)>,
+}
+
+impl Motion {
+    /// What this motion leaves to its relatives.
+    pub fn relative(&self) -> Relative {
+        let program = &self.trajectory.program;
+        let mut first = 0;
+        let phase = |&steps: &usize| {
+            let forces = &program.intervals[first].forces;
+            first += steps;
+            let state: ContactState = forces.iter().map(|f| f.contact).collect();
+            Phase { state, steps }
+        };
+        Relative {
+            phases: program.steps.iter().map(phase).collect(),
+            point: self.point.clone(),
+            rows: rows(program, &self.report),
+        }
+    }
+}
+
+fn rows(program: &Program, report: &Report) -> Vec<Vec<(RowLabel, f64)>> {
+    let mut all = program
+        .labels
+        .iter()
+        .cloned()
+        .zip(report.multipliers.iter().copied());
+    let elements = program.structure.elements.iter();
+    elements
+        .map(|e| all.by_ref().take(e.n_rows()).collect())
+        .collect()
+}
+
+impl Relative {
+    /// Number of phases with which both begin.
+    pub fn shared_phases(&self, phases: &[Phase]) -> usize {
+        let pairs = self.phases.iter().zip(phases);
+        pairs.take_while(|(a, b)| a == b).count()
+    }
+
+    /// Puts the shared phases' wrenches and durations into a point.
+    pub(crate) fn fill(&self, kept: usize, point: &mut Point) {
+        let n: usize = self.phases[..kept].iter().map(|p| p.steps).sum();
+        point.wrenches[..n].clone_from_slice(&self.point.wrenches[..n]);
+        point.durations[..kept].copy_from_slice(&self.point.durations[..kept]);
+    }
+
+    /// Multipliers for a program's rows: those of rows with the same label in the shared phases, zero for others.
+    pub(crate) fn multipliers(&self, kept: usize, program: &Program) -> Vec<f64> {
+        let n: usize = self.phases[..kept].iter().map(|p| p.steps).sum();
+        let mut out = vec![0.0; program.labels.len()];
+        let mut first = 0;
+        for (t, element) in program.structure.elements.iter().enumerate() {
+            let labels = &program.labels[first..first + element.n_rows()];
+            if t < n {
+                transfer(&self.rows[t], labels, &mut out[first..]);
+            }
+            first += element.n_rows();
+        }
+        out
+    }
+}
+
+/// Copies the multipliers of equal labels, in their order.
+fn transfer(from: &[(RowLabel, f64)], labels: &[RowLabel], out: &mut [f64]) {
+    let mut used = vec![false; from.len()];
+    let mut next = 0;
+    for (label, y) in labels.iter().zip(out) {
+        let order = (next..from.len()).chain(0..next);
+        let same = |i: &usize| {
+            let other = &from[*i].0;
+            !used[*i] && other.category == label.category && other.subject == label.subject
+        };
+        if let Some(i) = order.into_iter().find(same) {
+            *y = from[i].1;
+            used[i] = true;
+            next = i + 1;
+        }
+    }
+}
+
+impl Planner<'_> {
+    /// The start of a motion from a relative; `None` if they share too little or the rest has no keyframes from there.
+    pub(crate) fn start_from<'r>(
+        &self,
+        phases: &[Phase],
+        settings: &Settings,
+        relative: &'r Relative,
+    ) -> Option<Start<'r>> {
+        let shared = relative.shared_phases(phases);
+        let whole = shared == phases.len() && shared == relative.phases.len();
+        let kept = if whole {
+            shared
+        } else {
+            shared.checked_sub(1)?
+        };
+        if kept == 0 {
+            return None;
+        }
+        let n: usize = phases[..kept].iter().map(|p| p.steps).sum();
+        let mut nodes = relative.point.nodes[..=n].to_vec();
+        self.put_at_start(&mut nodes);
+        if !whole {
+            let keyframes = Ask::new(self, &phases[kept..], settings, Grid::Keyframes)
+                .answer_from(&nodes[n])?;
+            let rest = self.guide(&phases[kept..], settings, &keyframes.nodes);
+            nodes.truncate(n);
+            nodes.extend(rest);
+        }
+        Some(Start {
+            nodes,
+            relative: Some((relative, kept)),
+        })
+    }
+
+    /// The scene's own start at the first two nodes; what has not moved yet stays where it starts.
+    fn put_at_start(&self, nodes: &mut [Vec<f64>]) {
+        let (old, new) = (nodes[0].clone(), self.system.start(self.scene));
+        for o in 0..self.scene.objects.len() {
+            let first = self.system.object_q(o);
+            let at = first..first + 7;
+            for q in nodes.iter_mut() {
+                let away = q[at.clone()]
+                    .iter()
+                    .zip(&old[at.clone()])
+                    .any(|(a, b)| (a - b).abs() > AT_REST);
+                if away {
+                    break;
+                }
+                q[at.clone()].copy_from_slice(&new[at.clone()]);
+            }
+        }
+        for q in nodes.iter_mut().take(2) {
+            q.copy_from_slice(&new);
+        }
+    }
+}
+
+/// Change of a coordinate of an object at rest [m].
+const AT_REST: f64 = 1e-4;
