@@ -168,16 +168,45 @@ impl Oracle for Checks<'_> {
 mod tests {
     use super::*;
     use ocp::Preset;
+    use symbolic::{ContactType, InterfaceId};
 
-    fn with_checks(scene: &str, test: impl FnOnce(&mut Checks<'_>)) {
-        let scene = Scene::builtin(scene).expect("a built-in scene");
+    fn state(scene: &Scene, pairs: &[(&str, &str)]) -> ContactState {
+        let id = |name: &str| {
+            let found = scene.interfaces.iter().position(|i| i.name == name);
+            InterfaceId(found.expect("an interface of the scene"))
+        };
+        let contact = |(a, b): &(&str, &str)| Contact {
+            a: id(a),
+            b: id(b),
+            kind: ContactType::UnilateralPatch,
+        };
+        pairs.iter().map(contact).collect()
+    }
+
+    #[test]
+    fn contacts_that_exclude_one_another_are_found_once_and_refused_wherever_they_occur() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/stairs.toml");
+        let scene = Scene::load(path).expect("a scene of the repository");
         let planner = Planner::new(&scene).expect("a model");
         let settings = Settings::new(Preset::Default, &scene.optimiser);
-        test(&mut Checks::new(
-            &planner,
-            &settings,
-            Instant::now(),
-            f64::INFINITY,
+        let mut checks = Checks::new(&planner, &settings, Instant::now(), f64::INFINITY);
+        let ground = [("left_foot", "ground_top"), ("right_foot", "ground_top")];
+        assert_eq!(checks.state(&state(&scene, &ground)), Verdict::Accept);
+        let astride = state(&scene, &[ground[0], ("right_foot", "wall_top")]);
+        let Verdict::RejectContacts(contacts, reason) = checks.state(&astride) else {
+            panic!("a foot on the ground and one on a wall of 1 m");
+        };
+        assert_eq!(contacts, astride, "either alone is possible");
+        assert!(reason.contains("right_foot on wall_top"), "{reason}");
+
+        let before = state(&scene, &ground[..1]);
+        let after = state(&scene, &[("right_foot", "wall_top")]);
+        assert_eq!(checks.state(&after), Verdict::Accept);
+        assert!(matches!(
+            checks.transition(&before, &after),
+            Verdict::Reject(_)
         ));
+        let impossible = checks.impossible();
+        assert_eq!((impossible.len(), impossible[0].refused), (1, 2));
     }
 }

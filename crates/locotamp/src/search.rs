@@ -5,8 +5,9 @@ use std::time::Instant;
 use crate::api::{Attempt, Error, Event, Found, Outcome, Reached, Request};
 use crate::checks::Checks;
 use crate::{domain, export, summary};
-use ocp::{Keyframes, Motion, Phase, Planner, Settings};
+use ocp::{Keyframes, Motion, Phase, Planner, Relative, Settings};
 use scene::Scene;
+use solver::Iteration;
 use symbolic::search::Rejected;
 use symbolic::{BestFirst, Costs, Sequence};
 
@@ -55,6 +56,7 @@ pub fn plan(
         observe,
         attempts: vec![],
         best: None,
+        relatives: vec![],
     };
     let ended = run.search(search);
     let best = run.best.map(|(mut motion, sequence)| {
@@ -83,6 +85,8 @@ struct Run<'a> {
     observe: &'a mut dyn FnMut(&Event) -> bool,
     attempts: Vec<Attempt>,
     best: Option<(Motion, Sequence)>,
+    /// What the motions found so far leave to others.
+    relatives: Vec<Relative>,
 }
 
 impl Run<'_> {
@@ -169,18 +173,24 @@ impl Run<'_> {
     ) {
         let (time_limit, begin) = (self.request.time_limit, self.begin);
         let (observe, stopped) = (&mut self.observe, &mut self.stopped);
-        let motion = self
-            .planner
-            .motion(phases, self.settings, &keyframes.nodes, &mut |i| {
-                let event = Event::Iteration {
-                    number,
-                    iteration: i.number,
-                    violation: i.violation,
-                    objective: i.objective,
-                };
-                *stopped |= !observe(&event);
-                !*stopped && begin.elapsed().as_secs_f64() <= time_limit
-            });
+        let mut watch = |i: &Iteration| {
+            let event = Event::Iteration {
+                number,
+                iteration: i.number,
+                violation: i.violation,
+                objective: i.objective,
+            };
+            *stopped |= !observe(&event);
+            !*stopped && begin.elapsed().as_secs_f64() <= time_limit
+        };
+        let (planner, settings) = (self.planner, self.settings);
+        let relative = nearest(&self.relatives, phases);
+        let warm = relative.and_then(|r| planner.motion_from(phases, settings, r, &mut watch));
+        let motion =
+            warm.unwrap_or_else(|| planner.motion(phases, settings, &keyframes.nodes, &mut watch));
+        if motion.feasible {
+            self.relatives.push(motion.relative());
+        }
         attempt.reached = if motion.feasible {
             Reached::Feasible
         } else {
@@ -246,6 +256,14 @@ impl Run<'_> {
     fn tell(&mut self, event: &Event) {
         self.stopped |= !(self.observe)(event);
     }
+}
+
+/// The relative that shares most phases, the first of these, if it shares at least half.
+fn nearest<'a>(relatives: &'a [Relative], phases: &[Phase]) -> Option<&'a Relative> {
+    let shared = |r: &Relative| r.shared_phases(phases);
+    let most = relatives.iter().map(shared).max()?;
+    let near = relatives.iter().find(|r| shared(r) == most);
+    near.filter(|_| 2 * most >= phases.len())
 }
 
 /// Feasible before infeasible; then by cost, or by violation.

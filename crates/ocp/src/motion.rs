@@ -5,7 +5,7 @@ use crate::guess;
 use crate::point::Point;
 use crate::problem::Trajectory;
 use crate::program::{Grid, Phase, Program, RowLabel};
-use crate::relative_motion::{Relative, Start};
+use crate::relative_motion::{self, Relative, Start};
 use crate::settings::{Preset, Settings};
 use crate::system::System;
 use scene::Scene;
@@ -120,30 +120,28 @@ impl<'a> Planner<'a> {
         let mut extra = ExtraClearance::new();
         let mut program = self.program(phases, settings, Grid::Motion, near(&nodes, &extra));
         let mut point = guess::point(&program, self.scene, nodes);
-        let mut multipliers = relative.map(|(relative, kept)| {
+        let mut multipliers = relative.and_then(|(relative, kept)| {
             relative.fill(kept, &mut point);
-            relative.multipliers(kept, &program)
+            let whole = kept == phases.len();
+            whole.then(|| relative.multipliers(&program))
         });
-        if env("NOMULT", 0.0) > 0.0 {
-            multipliers = None;
-        }
         let (mut iterations, mut seconds, mut timing) = (0, 0.0, Timing::default());
         for round in 0.. {
             let mut trajectory = Trajectory::new(program);
             let structure = trajectory.structure().clone();
-            let mut options = Options {
-                max_iterations: settings.max_iterations,
-                ..Options::default()
+            let mut options = match (round, relative) {
+                (0, None) => Options::default(),
+                (0, Some((_, kept))) => relative_motion::options(kept == phases.len()),
+                _ => Options {
+                    initial_barrier: REPAIR_BARRIER,
+                    bound_push: REPAIR_PUSH,
+                    ..Options::default()
+                },
             };
-            if relative.is_some() && round == 0 {
-                options.initial_barrier = env("WMU", REPAIR_BARRIER);
-                options.bound_push = env("WPUSH", REPAIR_PUSH);
-                options.first_damping = env("WDAMP", 0.25);
-                options.tightening = env("WTIGHT", 0.25);
-            }
-            if round > 0 {
-                options.initial_barrier = REPAIR_BARRIER;
-                options.bound_push = REPAIR_PUSH;
+            options.max_iterations = settings.max_iterations;
+            if relative.is_some() {
+                options.max_iterations =
+                    options.max_iterations.min(relative_motion::MOST_ITERATIONS);
             }
             let report = InteriorPoint::new(&structure).solve(
                 &mut trajectory,
@@ -295,11 +293,4 @@ pub fn hardest_limit(program: &Program, report: &Report) -> Option<Worst> {
         }
     }
     hardest.map(|h| h.1)
-}
-
-fn env(name: &str, default: f64) -> f64 {
-    std::env::var(name)
-        .ok()
-        .and_then(|v| v.parse().ok())
-        .unwrap_or(default)
 }

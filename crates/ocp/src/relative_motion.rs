@@ -1,17 +1,33 @@
 //! A motion as the start of a relative: a sequence with the same beginning, or the same sequence in a scene that differs a
 //! little.
 //!
-//! Phases that both share keep configurations, wrenches, durations and multipliers. Where the sequences part, the last shared
-//! phase is planned anew, since it leads elsewhere: keyframes from its first configuration, a path, the first guess for the
-//! rest.
+//! Phases that both share keep configurations, wrenches and durations. Where the sequences part, the last shared phase is
+//! planned anew, since it leads elsewhere: keyframes from its first configuration, a path, the first guess for the rest. If
+//! all phases are shared, the multipliers are kept too, which makes a smaller first barrier parameter pay.
 
 use crate::keyframes::Ask;
 use crate::motion::{Motion, Planner};
 use crate::point::Point;
 use crate::program::{Grid, Phase, Program, RowLabel};
 use crate::settings::Settings;
-use solver::Report;
+use solver::{Options, Report};
 use symbolic::ContactState;
+
+/// Iterations after which a round from a relative has failed: the cold start is better then.
+pub(crate) const MOST_ITERATIONS: usize = 60;
+/// Change of a coordinate of an object at rest [m].
+const AT_REST: f64 = 1e-4;
+
+/// Solver options of the first round (benches/runs/2026-11-21-keyframes.md); `whole` if all phases are shared.
+pub(crate) fn options(whole: bool) -> Options {
+    Options {
+        initial_barrier: if whole { 1e-4 } else { 1e-3 },
+        bound_push: if whole { 1e-4 } else { 1e-3 },
+        first_damping: 1.0,
+        tightening: 0.8,
+        ..Options::default()
+    }
+}
 
 /// What a motion leaves to its relatives.
 #[derive(Debug, Clone)]
@@ -75,16 +91,13 @@ impl Relative {
         point.durations[..kept].copy_from_slice(&self.point.durations[..kept]);
     }
 
-    /// Multipliers for a program's rows: those of rows with the same label in the shared phases, zero for others.
-    pub(crate) fn multipliers(&self, kept: usize, program: &Program) -> Vec<f64> {
-        let n: usize = self.phases[..kept].iter().map(|p| p.steps).sum();
+    /// Multipliers for the rows of a program with the same phases: those of rows with the same label, zero for others.
+    pub(crate) fn multipliers(&self, program: &Program) -> Vec<f64> {
         let mut out = vec![0.0; program.labels.len()];
         let mut first = 0;
         for (t, element) in program.structure.elements.iter().enumerate() {
             let labels = &program.labels[first..first + element.n_rows()];
-            if t < n {
-                transfer(&self.rows[t], labels, &mut out[first..]);
-            }
+            transfer(&self.rows[t], labels, &mut out[first..]);
             first += element.n_rows();
         }
         out
@@ -124,7 +137,8 @@ impl Planner<'_> {
         } else {
             shared.checked_sub(1)?
         };
-        if kept == 0 {
+        let same_size = relative.point.nodes[0].len() == self.system.model.nq;
+        if kept == 0 || !same_size {
             return None;
         }
         let n: usize = phases[..kept].iter().map(|p| p.steps).sum();
@@ -165,6 +179,3 @@ impl Planner<'_> {
         }
     }
 }
-
-/// Change of a coordinate of an object at rest [m].
-const AT_REST: f64 = 1e-4;

@@ -140,6 +140,7 @@ fn the_motion_program_matches_central_differences() {
 fn the_keyframe_program_matches_central_differences() {
     for seed in 0..4 {
         check(seed, Grid::Keyframes, Preset::Default);
+        check(seed, Grid::State, Preset::Default);
     }
 }
 

@@ -235,8 +235,7 @@ pub fn program(seed: u64, grid: Grid, preset: Preset) -> (Trajectory, Point) {
     let mut random = Random::new(seed + 5);
     let n: usize = match grid {
         Grid::Motion | Grid::Path => 8,
-        Grid::Keyframes | Grid::OpenKeyframes => 3,
-        Grid::State => 1,
+        Grid::Keyframes | Grid::OpenKeyframes | Grid::State => 3,
     };
     let start = system.start(&scene);
     let mut nodes = vec![start.clone()];
