@@ -14,6 +14,9 @@ use symbolic::{BestFirst, Costs, Sequence};
 /// Overlap of bodies at the start that is tolerated [m]: less than the collision model's own accuracy.
 const START_OVERLAP: f64 = 0.005;
 
+/// Phases at the end in which a sequence may differ from another whose motion it starts from.
+const DIFFERENT_AT_END: usize = 2;
+
 /// Finds contacts and motion for a scene.
 ///
 /// `observe` sees everything that happens and ends the search by returning false; the best so far is returned then.
@@ -258,12 +261,13 @@ impl Run<'_> {
     }
 }
 
-/// The relative that shares most phases, the first of these, if it shares at least half.
+/// The relative that shares most phases, the first of these, if it differs in the last few only: a start that shares less
+/// saved nothing (benches/runs/2026-11-21-keyframes.md).
 fn nearest<'a>(relatives: &'a [Relative], phases: &[Phase]) -> Option<&'a Relative> {
     let shared = |r: &Relative| r.shared_phases(phases);
     let most = relatives.iter().map(shared).max()?;
     let near = relatives.iter().find(|r| shared(r) == most);
-    near.filter(|_| 2 * most >= phases.len())
+    near.filter(|_| most + DIFFERENT_AT_END >= phases.len())
 }
 
 /// Feasible before infeasible; then by cost, or by violation.
