@@ -71,6 +71,15 @@ pub(crate) struct PlanOptions {
     /// Which trajectory problem is solved
     #[arg(long, value_enum, default_value_t = PresetName::Default)]
     pub preset: PresetName,
+    /// How states follow from one another before the refinement
+    #[arg(long, value_enum, default_value_t = IntegratorName::Euler)]
+    pub integrator: IntegratorName,
+    /// Longest step of the refined motion that is written
+    #[arg(long, value_name = "S", value_parser = seconds, default_value_t = 0.02)]
+    pub refine_step: f64,
+    /// Write the optimiser's coarse motion as it is
+    #[arg(long)]
+    pub no_refine: bool,
     /// Leave the joint torque limits out (to see what they change)
     #[arg(long)]
     pub no_torque_limits: bool,
@@ -98,6 +107,15 @@ pub(crate) struct SolveOptions {
     /// Which trajectory problem is solved
     #[arg(long, value_enum, default_value_t = PresetName::Default)]
     pub preset: PresetName,
+    /// How states follow from one another before the refinement
+    #[arg(long, value_enum, default_value_t = IntegratorName::Euler)]
+    pub integrator: IntegratorName,
+    /// Longest step of the refined motion that is written
+    #[arg(long, value_name = "S", value_parser = seconds, default_value_t = 0.02)]
+    pub refine_step: f64,
+    /// Write the optimiser's coarse motion as it is
+    #[arg(long)]
+    pub no_refine: bool,
     /// Leave the joint torque limits out (to see what they change)
     #[arg(long)]
     pub no_torque_limits: bool,
@@ -117,12 +135,21 @@ pub(crate) struct BenchOptions {
     /// Only sequences whose path below the folder contains this text
     #[arg(long, value_name = "TEXT")]
     pub filter: Option<String>,
+    /// Solve this many random variants of every scene too: objects ±5 cm, masses × 0.5 to 2, tables ±3 cm, friction ±20 %
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub variants: usize,
+    /// Largest number of intervals of the sequences taken
+    #[arg(long, value_name = "N")]
+    pub max_intervals: Option<usize>,
     /// End each sequence after this many seconds
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub time_limit: Option<f64>,
     /// Which trajectory problem is solved
     #[arg(long, value_enum, default_value_t = PresetName::Default)]
     pub preset: PresetName,
+    /// How states follow from one another before the refinement
+    #[arg(long, value_enum, default_value_t = IntegratorName::Euler)]
+    pub integrator: IntegratorName,
     /// One JSON list on standard output
     #[arg(long)]
     pub json: bool,
@@ -147,6 +174,35 @@ impl From<PresetName> for locotamp::Preset {
             PresetName::Paper => Self::Paper,
         }
     }
+}
+
+/// The integrators by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum IntegratorName {
+    /// Explicit Euler, as in the paper
+    Euler,
+    /// Semi-implicit Euler
+    SemiImplicitEuler,
+    /// Acceleration held over each interval
+    ConstantAcceleration,
+}
+
+impl From<IntegratorName> for locotamp::Integrator {
+    fn from(name: IntegratorName) -> Self {
+        match name {
+            IntegratorName::Euler => Self::Euler,
+            IntegratorName::SemiImplicitEuler => Self::SemiImplicitEuler,
+            IntegratorName::ConstantAcceleration => Self::ConstantAcceleration,
+        }
+    }
+}
+
+/// The finer grid that the options ask for.
+pub(crate) fn refinement(no_refine: bool, max_step: f64) -> Option<locotamp::Refinement> {
+    (!no_refine).then(|| locotamp::Refinement {
+        max_step,
+        ..locotamp::Refinement::default()
+    })
 }
 
 #[derive(Debug, Args)]

@@ -6,7 +6,7 @@ use crate::progress::Progress;
 use crate::solve_command::{Finished, finish, observed, report};
 use crate::{Exit, bench_table, interrupt, memory, output};
 use locotamp::Request;
-use scene::{Expectation, Scene, SequenceFile};
+use scene::{Expectation, Perturbation, Scene, SequenceFile};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -17,6 +17,8 @@ pub(crate) struct Entry {
     pub name: String,
     pub scene: Scene,
     pub sequence: scene::Sequence,
+    /// True for a random variant.
+    pub is_variant: bool,
 }
 
 /// A sequence that was solved.
@@ -48,6 +50,8 @@ pub(crate) fn run(options: &BenchOptions) -> Result<Exit, Failure> {
     let request = Request {
         preset: options.preset.into(),
         time_limit: options.time_limit.unwrap_or(f64::INFINITY),
+        integrator: options.integrator.into(),
+        refinement: None,
         ..Request::default()
     };
     let interrupted = interrupt::flag();
@@ -69,7 +73,16 @@ pub(crate) fn run(options: &BenchOptions) -> Result<Exit, Failure> {
             &interrupted,
         );
         progress.finish();
-        let finished = finish(&entry.scene, &entry.sequence, solved?, None)?;
+        let solved = match solved {
+            Ok(solved) => solved,
+            // A variant may start in collision: it is no problem then.
+            Err(error) if entry.is_variant => {
+                output::error(&format!("{}: left out, {}", entry.name, error.text()));
+                continue;
+            }
+            Err(error) => return Err(error),
+        };
+        let finished = finish(&entry.scene, &entry.sequence, solved, None)?;
         let phases = &entry.sequence.phases;
         rows.push(Row {
             name: entry.name.clone(),
@@ -84,7 +97,7 @@ pub(crate) fn run(options: &BenchOptions) -> Result<Exit, Failure> {
     } else {
         output::result(&bench_table::write(&rows));
     }
-    let done = rows.len() == entries.len() && rows.iter().all(Row::as_expected);
+    let done = !interrupted.load(Ordering::SeqCst) && rows.iter().all(Row::as_expected);
     Ok(if done { Exit::Done } else { Exit::Rejected })
 }
 
@@ -105,10 +118,23 @@ fn entries(options: &BenchOptions) -> Result<Vec<Entry>, Failure> {
         let file = SequenceFile::load(&path)?;
         let scene = file.load_scene()?;
         let sequence = file.resolve(&scene)?;
+        let intervals: usize = sequence.phases.iter().map(|p| p.steps).sum();
+        if options.max_intervals.is_some_and(|most| intervals > most) {
+            continue;
+        }
+        for seed in 1..=options.variants {
+            entries.push(Entry {
+                name: format!("{name} #{seed}"),
+                scene: scene.perturbed(&Perturbation::default(), seed as u64),
+                sequence: sequence.clone(),
+                is_variant: true,
+            });
+        }
         entries.push(Entry {
             name,
             scene,
             sequence,
+            is_variant: false,
         });
     }
     if entries.is_empty() {

@@ -12,6 +12,11 @@ pub(crate) struct Failure {
 }
 
 impl Failure {
+    /// The text for people, ending with a line break.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
     /// A failure with a message of its own.
     pub fn new(exit: Exit, message: impl std::fmt::Display) -> Self {
         Self {

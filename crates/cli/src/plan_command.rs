@@ -1,6 +1,6 @@
 //! `locotamp plan`: from a scene to a plan file and its summary.
 
-use crate::arguments::PlanOptions;
+use crate::arguments::{PlanOptions, refinement};
 use crate::failure::Failure;
 use crate::folder::Folder;
 use crate::progress::Progress;
@@ -114,6 +114,8 @@ fn search(options: &PlanOptions, scene: &Scene) -> Result<Outcome, Failure> {
         preset: options.preset.into(),
         seed: options.seed,
         time_limit: options.time_limit.unwrap_or(f64::INFINITY),
+        integrator: options.integrator.into(),
+        refinement: refinement(options.no_refine, options.refine_step),
         ..Request::default()
     };
     let interrupted = interrupt::flag();

@@ -91,7 +91,9 @@ impl Progress {
 
     /// What messages call the sequence.
     fn title(&self, number: usize) -> String {
-        if self.given {
+        if number == 0 {
+            "refinement".into()
+        } else if self.given {
             "the sequence".into()
         } else {
             format!("sequence {number}")
@@ -140,6 +142,13 @@ impl Progress {
                     "{}, iteration {iteration}: violation {violation:.1e}, cost {objective:.3}",
                     self.title(*number)
                 );
+            }
+            Event::Refining { max_step } => {
+                self.doing = "refining".into();
+                return Some(format!(
+                    "refining the motion to steps of at most {:.0} ms",
+                    1e3 * max_step
+                ));
             }
             Event::Optimised {
                 number,

@@ -2,7 +2,7 @@
 
 use crate::plan_command::Finished;
 use crate::reasons;
-use locotamp::{Attempt, Reached, Summary};
+use locotamp::{Attempt, Reached, Refined, Summary};
 use serde_json::{Value, json};
 
 /// One JSON object. Times in seconds; `status` is "feasible", "infeasible" (there is a best attempt) or "none".
@@ -21,6 +21,8 @@ pub(crate) fn write(finished: &Finished) -> Value {
         "ended": outcome.ended,
         "seconds": outcome.seconds,
         "summary": outcome.best.as_ref().map(|found| summary(&found.summary)),
+        "refinement": outcome.best.as_ref().map(|found| refinement(&found.refined)),
+        "quality": outcome.best.as_ref().map(|found| &found.quality),
         "check": finished.verdict.as_ref().map(|v| json!({ "ok": v.ok(), "failed": v.failed })),
         "reasons": reasons.iter().map(|r| json!({
             "count": r.count, "stage": r.stage, "what": r.what, "example": r.example,
@@ -44,6 +46,21 @@ pub(crate) fn summary(summary: &Summary) -> Value {
         "largest_violation": summary.violation,
         "largest_torque": { "ratio": ratio, "joint": joint, "time": time },
     })
+}
+
+/// What became of the finer grid; null if none was asked for.
+pub(crate) fn refinement(refined: &Refined) -> Value {
+    match refined {
+        Refined::No => Value::Null,
+        Refined::Done {
+            coarse_intervals,
+            iterations,
+            seconds,
+        } => json!({
+            "done": true, "coarse_intervals": coarse_intervals, "iterations": iterations, "seconds": seconds,
+        }),
+        Refined::Failed(reason) => json!({ "done": false, "reason": reason }),
+    }
 }
 
 fn attempt(attempt: &Attempt) -> Value {

@@ -2,7 +2,7 @@
 
 use crate::plan_command::Finished;
 use crate::reasons;
-use locotamp::{Outcome, Summary};
+use locotamp::{Found, Outcome, Quality, Refined, Summary};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
@@ -14,7 +14,7 @@ pub(crate) fn write(finished: &Finished) -> String {
     let outcome = &finished.outcome;
     let mut text = String::new();
     if let Some(found) = &outcome.best {
-        text += &motion(&finished.scene, outcome.feasible, &found.summary);
+        text += &motion(&finished.scene, outcome.feasible, found);
     } else {
         let _ = writeln!(text, "{}: no plan", finished.scene);
     }
@@ -38,8 +38,60 @@ pub(crate) fn write(finished: &Finished) -> String {
 }
 
 /// Heading, phases and figures of a motion.
-pub(crate) fn motion(title: &str, feasible: bool, summary: &Summary) -> String {
-    heading(title, feasible, summary) + &phases(summary) + &figures(summary)
+pub(crate) fn motion(title: &str, feasible: bool, found: &Found) -> String {
+    let summary = &found.summary;
+    heading(title, feasible, summary)
+        + &phases(summary)
+        + &figures(summary)
+        + &refinement(&found.refined)
+        + &quality(&found.quality)
+}
+
+/// What became of the finer grid, if one was asked for.
+fn refinement(refined: &Refined) -> String {
+    match refined {
+        Refined::No => String::new(),
+        Refined::Done {
+            coarse_intervals,
+            iterations,
+            seconds,
+        } => format!(
+            "refinement         from {coarse_intervals} intervals, {iterations} iterations, {seconds:.1} s\n"
+        ),
+        Refined::Failed(reason) => {
+            format!("refinement         failed, the plan is the coarse motion: {reason}\n")
+        }
+    }
+}
+
+/// Smoothness, residuals between the nodes and margins.
+fn quality(quality: &Quality) -> String {
+    let residuals = &quality.between_nodes;
+    let mut text = format!(
+        "smoothness         joint jerk {:.0} rad/s³ rms, torque rate at most {:.0} N m/s ({}), force rate {:.0} N/s ({})\n\
+         between nodes      at most {:.1} N and {:.2} N m missing at the base, torque {:.0} % of the limit\n",
+        quality.rms_joint_jerk,
+        quality.torque_rate.value,
+        quality.torque_rate.of,
+        quality.force_rate.value,
+        quality.force_rate.of,
+        residuals.base_force,
+        residuals.base_moment,
+        100.0 * residuals.torque_share,
+    );
+    let margins: Vec<String> = quality
+        .margins
+        .iter()
+        .filter_map(|margin| {
+            let reached = margin.reached?;
+            Some(match margin.unit {
+                "1" => format!("{} {:.0} %", margin.name, 100.0 * reached),
+                unit => format!("{} {reached:.3} {unit}", margin.name.replace('_', " ")),
+            })
+        })
+        .collect();
+    let _ = writeln!(text, "limits used        {}", margins.join(", "));
+    text
 }
 
 fn heading(scene: &str, feasible: bool, summary: &Summary) -> String {

@@ -1,6 +1,6 @@
 //! `locotamp solve`: one given contact sequence to a plan file and a report.
 
-use crate::arguments::SolveOptions;
+use crate::arguments::{SolveOptions, refinement};
 use crate::failure::Failure;
 use crate::folder::Folder;
 use crate::plan_command::{Verdict, judge, load};
@@ -66,6 +66,8 @@ fn solve(
     let request = Request {
         preset: options.preset.into(),
         time_limit: options.time_limit.unwrap_or(f64::INFINITY),
+        integrator: options.integrator.into(),
+        refinement: refinement(options.no_refine, options.refine_step),
         ..Request::default()
     };
     let mut progress = Progress::of_one_sequence(options.quiet);
@@ -168,6 +170,8 @@ pub(crate) fn report(finished: &Finished) -> Value {
         })),
         "check": finished.verdict.as_ref().map(|v| json!({ "ok": v.ok(), "failed": v.failed })),
         "summary": solved.best.as_ref().map(|found| result_json::summary(&found.summary)),
+        "refinement": solved.best.as_ref().map(|found| result_json::refinement(&found.refined)),
+        "quality": solved.best.as_ref().map(|found| &found.quality),
     })
 }
 
@@ -176,7 +180,7 @@ fn text(finished: &Finished, report: &Path) -> String {
     let solved = &finished.solved;
     let title = format!("{}, {}", finished.scene, finished.sequence);
     let mut text = match &solved.best {
-        Some(found) => result_text::motion(&title, solved.feasible, &found.summary),
+        Some(found) => result_text::motion(&title, solved.feasible, found),
         None => format!("{title}: no plan, there are no keyframes\n"),
     };
     if let Some(motion) = &solved.motion {

@@ -1,7 +1,11 @@
 //! What a caller asks for, sees on the way and gets.
 
-use crate::summary::Summary;
-use ocp::Preset;
+use crate::export;
+use crate::quality::{self, Quality};
+use crate::refine::Refined;
+use crate::summary::{self, Summary};
+use ocp::{Integrator, Motion, Preset, Refinement};
+use scene::Scene;
 use symbolic::SymbolicError;
 
 /// Options of one planning run.
@@ -17,6 +21,10 @@ pub struct Request {
     pub solutions: usize,
     /// Most sequences that are optimised in full.
     pub max_optimised: usize,
+    /// How states follow from one another before refinement; the preset `paper` has explicit Euler only.
+    pub integrator: Integrator,
+    /// The finer grid of the returned plan; `None` for the coarse one. The preset `paper` has none.
+    pub refinement: Option<Refinement>,
 }
 
 impl Default for Request {
@@ -27,6 +35,8 @@ impl Default for Request {
             time_limit: f64::INFINITY,
             solutions: 4,
             max_optimised: 200,
+            integrator: Integrator::Euler,
+            refinement: Some(Refinement::default()),
         }
     }
 }
@@ -63,7 +73,7 @@ pub enum Event {
     },
     /// One iteration of the trajectory optimiser.
     Iteration {
-        /// Number of the sequence.
+        /// Number of the sequence; 0 for the refinement of the best one.
         number: usize,
         /// Iteration.
         iteration: usize,
@@ -71,6 +81,11 @@ pub enum Event {
         violation: f64,
         /// Objective.
         objective: f64,
+    },
+    /// The best motion is optimised again on a finer grid.
+    Refining {
+        /// Longest interval [s].
+        max_step: f64,
     },
     /// A trajectory was optimised.
     Optimised {
@@ -134,6 +149,32 @@ pub struct Found {
     pub plan: plan::Plan,
     /// The short summary for people.
     pub summary: Summary,
+    /// What became of the finer grid.
+    pub refined: Refined,
+    /// Smoothness, residuals between the nodes, margins.
+    pub quality: Quality,
+}
+
+impl Found {
+    /// Everything that is written about a motion.
+    pub(crate) fn of(
+        scene: &Scene,
+        labels: &[String],
+        motion: &mut Motion,
+        refined: Refined,
+    ) -> Self {
+        let quality = quality::measure(scene, motion);
+        let mut plan = export::plan(scene, labels, motion);
+        if let Ok(value) = serde_json::to_value(&quality) {
+            plan.extra.insert("quality".into(), value);
+        }
+        Self {
+            plan,
+            summary: summary::summarise(scene, labels, motion),
+            refined,
+            quality,
+        }
+    }
 }
 
 /// Result of a run.
@@ -174,6 +215,11 @@ pub enum Error {
         /// Overlap [mm].
         depth_mm: f64,
     },
+    /// The preset and the integrator do not go together.
+    #[error(
+        "the preset `paper` has explicit Euler only (its momentum rows are defined with it); drop the integrator or the preset"
+    )]
+    PaperIntegrator,
     /// The goal cannot be reached by any sequence of manipulation actions.
     #[error("{0}")]
     Unreachable(String),

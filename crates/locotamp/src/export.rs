@@ -79,7 +79,11 @@ pub fn plan(scene: &Scene, labels: &[String], motion: &mut Motion) -> Plan {
         }),
         violation: Some(largest_violation(motion)),
         gravity: scene.gravity.into(),
-        integrator: Integrator::Euler,
+        integrator: match program.settings.integrator {
+            ocp::Integrator::Euler => Integrator::Euler,
+            ocp::Integrator::SemiImplicitEuler => Integrator::SemiImplicitEuler,
+            ocp::Integrator::ConstantAcceleration => Integrator::ConstantAcceleration,
+        },
         dynamics: match program.settings.preset {
             Preset::Default => Dynamics::BaseRows,
             Preset::Paper => Dynamics::Momentum,

@@ -8,13 +8,17 @@ mod api;
 mod checks;
 mod domain;
 mod export;
+mod quality;
+mod refine;
 mod search;
 mod solve;
 mod summary;
 
 pub use api::{Attempt, Error, Event, Found, Impossible, Outcome, Reached, Request};
 pub use domain::{domain, graph};
-pub use ocp::Preset;
+pub use ocp::{Integrator, Preset, Refinement};
+pub use quality::{Margin, Peak, Quality, Residuals, Swing};
+pub use refine::Refined;
 pub use search::plan;
 pub use solve::{KeyframeReport, MotionReport, Solved, solve};
 pub use solver::{Status, Timing};

@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use crate::api::{Attempt, Error, Event, Found, Outcome, Reached, Request};
 use crate::checks::Checks;
-use crate::{domain, export, summary};
-use ocp::{Keyframes, Motion, Phase, Planner, Relative, Settings};
+use crate::{domain, refine, summary};
+use ocp::{Integrator, Keyframes, Motion, Phase, Planner, Preset, Relative, Settings};
 use scene::Scene;
 use solver::Iteration;
 use symbolic::search::Rejected;
@@ -47,7 +47,7 @@ pub fn plan(
         max_phases: search.max_phases(),
         skeleton,
     };
-    let settings = Settings::new(request.preset, &scene.optimiser);
+    let settings = settings(scene, request)?;
     let mut run = Run {
         scene,
         request,
@@ -62,10 +62,18 @@ pub fn plan(
         relatives: vec![],
     };
     let ended = run.search(search);
-    let best = run.best.map(|(mut motion, sequence)| {
-        let plan = export::plan(scene, &sequence.labels, &mut motion);
-        let summary = summary::summarise(scene, &sequence.labels, &mut motion);
-        (Found { plan, summary }, motion.feasible)
+    let best = run.best.take().map(|(motion, sequence)| {
+        let phases = run.phases(&sequence);
+        let (mut motion, refined) = refine::refine(
+            run.planner,
+            &phases,
+            run.settings,
+            motion,
+            request,
+            run.observe,
+        );
+        let found = Found::of(scene, &sequence.labels, &mut motion, refined);
+        (found, motion.feasible)
     });
     Ok(Outcome {
         feasible: best.as_ref().is_some_and(|b| b.1),
@@ -74,6 +82,17 @@ pub fn plan(
         impossible: run.checks.impossible(),
         ended,
         seconds: begin.elapsed().as_secs_f64(),
+    })
+}
+
+/// The problem's options for a request.
+pub(crate) fn settings(scene: &Scene, request: &Request) -> Result<Settings, Error> {
+    if request.preset == Preset::Paper && request.integrator != Integrator::Euler {
+        return Err(Error::PaperIntegrator);
+    }
+    Ok(Settings {
+        integrator: request.integrator,
+        ..Settings::new(request.preset, &scene.optimiser)
     })
 }
 

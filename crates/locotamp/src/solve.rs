@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use crate::api::{Error, Event, Found, Request};
-use crate::{domain, export, search, summary};
-use ocp::{Keyframes, Motion, Phase, Planner, Settings};
+use crate::{domain, export, refine, search, summary};
+use ocp::{Keyframes, Motion, Phase, Planner};
 use scene::{Scene, Sequence};
 use solver::{Status, Timing};
 use symbolic::Action;
@@ -73,7 +73,7 @@ pub fn solve(
     let planner = Planner::new(scene)?;
     search::check_start(scene, &planner)?;
     let labels = labels(scene, sequence)?;
-    let settings = Settings::new(request.preset, &scene.optimiser);
+    let settings = search::settings(scene, request)?;
     let phases: Vec<Phase> = sequence
         .phases
         .iter()
@@ -107,7 +107,7 @@ pub fn solve(
     });
     if keyframes.possible {
         let mut late = false;
-        let mut motion = planner.motion(&phases, &settings, &keyframes.nodes, &mut |i| {
+        let motion = planner.motion(&phases, &settings, &keyframes.nodes, &mut |i| {
             stopped |= !observe(&Event::Iteration {
                 number: NUMBER,
                 iteration: i.number,
@@ -123,21 +123,23 @@ pub fn solve(
             _ => None,
         };
         solved.reason = no_motion(scene, &motion, ended);
-        solved.take_motion(scene, &labels, &mut motion);
+        solved.take_motion(&motion);
         observe(&Event::Optimised {
             number: NUMBER,
             feasible: motion.feasible,
             cost: motion.report.objective,
             reason: solved.reason.clone(),
         });
+        let (mut motion, refined) =
+            refine::refine(&planner, &phases, &settings, motion, request, observe);
+        solved.best = Some(Found::of(scene, &labels, &mut motion, refined));
     }
     solved.seconds = begin.elapsed().as_secs_f64();
     Ok(solved)
 }
 
 impl Solved {
-    fn take_motion(&mut self, scene: &Scene, labels: &[String], motion: &mut Motion) {
-        let plan = export::plan(scene, labels, motion);
+    fn take_motion(&mut self, motion: &Motion) {
         self.feasible = motion.feasible;
         self.motion = Some(MotionReport {
             status: motion.report.status,
@@ -146,8 +148,6 @@ impl Solved {
             cost: motion.report.objective,
             violation: export::largest_violation(motion),
         });
-        let summary = summary::summarise(scene, labels, motion);
-        self.best = Some(Found { plan, summary });
     }
 }
 

@@ -1,11 +1,12 @@
 //! First and second derivatives of the whole program; values are in [`crate::problem`].
 
-use crate::chain::Motion;
+use crate::chain::{Motion, StateLayout};
 use crate::momentum::Context;
 use crate::point::Point;
 use crate::problem::{Trajectory, element_nodes, physical_wrench, posture_cost, velocity_scale};
 use crate::slip::Place;
-use nalgebra::Vector6;
+use crate::states::{self, At};
+use nalgebra::{Matrix6, Vector6};
 use solver::ElementData;
 
 impl Trajectory {
@@ -15,6 +16,7 @@ impl Trajectory {
         out.gradient.fill(0.0);
         out.hessian.fill(0.0);
         self.motion_derivatives(x, t, y, out);
+        self.pose_sums.iter_mut().flatten().for_each(PoseSum::clear);
         let program = &self.program;
         let interval = &program.intervals[t];
         let s = &mut self.scratch;
@@ -22,7 +24,6 @@ impl Trajectory {
         for stick in &interval.sticks {
             use crate::terms::PoseTerm;
             let rows = stick.place.n_rows();
-            let frame = &program.frames[program.nodes[t].frames[stick.slot_a]];
             let jacobian = &mut out.jacobians[stick.block];
             let mut column = 0;
             let sides = [
@@ -30,7 +31,9 @@ impl Trajectory {
                 (interval.b, t + 1, stick.slot_b, 1.0),
             ];
             for (first, node, slot, sign) in sides {
-                let Some(first) = first else { continue };
+                if first.is_none() {
+                    continue;
+                }
                 let relative = &self.nodes[node].relatives[slot];
                 stick
                     .place
@@ -47,18 +50,15 @@ impl Trajectory {
                 }
                 let gradient = weighted_sum(&s.gradients[..rows], weights);
                 let hessian = stick.place.hessian(&relative.b_from_a, weights);
-                frame.pose_hessian(relative, &gradient, &hessian, |k, l, value| {
-                    let (i, j) = (first + frame.cols[k], first + frame.cols[l]);
-                    out.hessian[i.min(j) * n + i.max(j)] += value;
-                });
+                self.pose_sums[node - t][slot].add(&gradient, &hessian);
             }
         }
         for node in element_nodes(program, t) {
             let Some(first) = (if node == t { interval.a } else { interval.b }) else {
                 continue;
             };
+            let sums = &mut self.pose_sums[node - t];
             for term in &program.nodes[node].terms {
-                let frame = &program.frames[program.nodes[node].frames[term.slot]];
                 let relative = &self.nodes[node].relatives[term.slot];
                 let gradients = &mut s.gradients[..term.n_rows];
                 let weights = &y[term.first_row..term.first_row + term.n_rows];
@@ -74,26 +74,17 @@ impl Trajectory {
                 if weights.iter().all(|w| w.abs() < 1e-9) {
                     continue;
                 }
-                let gradient = weighted_sum(gradients, weights);
-                frame.pose_hessian(relative, &gradient, &hessian, |k, l, value| {
-                    let (i, j) = (first + frame.cols[k], first + frame.cols[l]);
-                    out.hessian[i.min(j) * n + i.max(j)] += value;
-                });
+                sums[term.slot].add(&weighted_sum(gradients, weights), &hessian);
             }
             for cost in &program.nodes[node].costs {
-                let frame = &program.frames[program.nodes[node].frames[cost.slot]];
                 let relative = &self.nodes[node].relatives[cost.slot];
                 let gradients = &mut s.gradients[..cost.weights.len()];
-                cost.term.gradients(&relative.b_from_a, gradients);
+                let hessian = cost
+                    .term
+                    .derivatives(&relative.b_from_a, &cost.weights, gradients);
                 let gradient = weighted_sum(gradients, &cost.weights);
-                for (&col, j) in frame.cols.iter().zip(&relative.columns) {
-                    out.gradient[first + col] += gradient.dot(j);
-                }
-                let hessian = cost.term.hessian(&relative.b_from_a, &cost.weights);
-                frame.pose_hessian(relative, &gradient, &hessian, |k, l, value| {
-                    let (i, j) = (first + frame.cols[k], first + frame.cols[l]);
-                    out.hessian[i.min(j) * n + i.max(j)] += value;
-                });
+                sums[cost.slot].add(&gradient, &hessian);
+                sums[cost.slot].cost_gradient += gradient;
             }
             posture_cost(program, node, &x.nodes[node], |i, gradient, curvature| {
                 out.gradient[first + i] += gradient;
@@ -101,6 +92,33 @@ impl Trajectory {
             });
         }
         self.force_derivatives(x, t, y, out);
+        self.chain_poses(t, out);
+    }
+
+    /// Takes the sums of gradients and Hessians by relative poses to the increments of their nodes.
+    fn chain_poses(&self, t: usize, out: &mut ElementData) {
+        let program = &self.program;
+        let interval = &program.intervals[t];
+        let n = out.gradient.len();
+        let sides = [(interval.a, t), (interval.b, t + 1)];
+        for ((first, node), sums) in sides.into_iter().zip(&self.pose_sums) {
+            let Some(first) = first else { continue };
+            let node_frames = program.nodes[node].frames.iter();
+            for ((&frame, relative), sum) in node_frames.zip(&self.nodes[node].relatives).zip(sums)
+            {
+                if sum.is_zero {
+                    continue;
+                }
+                let frame = &program.frames[frame];
+                for (&col, j) in frame.cols.iter().zip(&relative.columns) {
+                    out.gradient[first + col] += sum.cost_gradient.dot(j);
+                }
+                frame.pose_hessian(relative, &sum.gradient, &sum.hessian, |k, l, value| {
+                    let (i, j) = (first + frame.cols[k], first + frame.cols[l]);
+                    out.hessian[i.min(j) * n + i.max(j)] += value;
+                });
+            }
+        }
     }
 
     /// Equations of motion, velocity limits, motion and duration costs.
@@ -112,12 +130,10 @@ impl Trajectory {
         let n = program.structure.elements[t].vars.len();
         let nv = program.system.model.nv;
         let s = &mut self.scratch;
-        if interval.v {
-            self.differences[t].linearise();
-        }
-        if interval.v_next {
-            self.differences[t + 1].linearise();
-        }
+        let states = program
+            .has_velocities()
+            .then(|| StateLayout::of(interval))
+            .flatten();
         let here = interval.v.then(|| &self.differences[t]);
         let next = interval.v_next.then(|| &self.differences[t + 1]);
         let layout = interval.into();
@@ -175,15 +191,13 @@ impl Trajectory {
                     }
                 }
             }
-            s.chain.rows(
-                here,
-                next,
-                &layout,
-                &program.dynamics_scale,
-                &mut s.rows,
-                &mut out.jacobians[0],
-            );
-            s.chain.gradients_from_weights(&s.weights);
+            let (scale, jacobian) = (&program.dynamics_scale, &mut out.jacobians[0]);
+            match &states {
+                Some(layout) => s.chain.state_rows(&s.hessian, layout, scale, jacobian),
+                None => s
+                    .chain
+                    .rows(&s.hessian, here, next, &layout, scale, jacobian),
+            }
             if program.momentum {
                 let kinematics = [&self.nodes[t].kinematics, &self.nodes[t + 1].kinematics];
                 let (relatives, wrenches) = (&self.nodes[t].relatives, &x.wrenches[t]);
@@ -222,12 +236,43 @@ impl Trajectory {
                 s.chain.by_v_gradient[i] += y[first + k] / scale;
             }
         }
+        let share = program.share[interval.phase];
         s.chain
-            .add_costs(&program.motion_weights, interval.dynamics);
-        s.chain
-            .finish(here, next, &layout, &mut out.gradient, &mut out.hessian);
+            .add_costs(&program.motion_weights, share, interval.dynamics);
+        let (gradient, hessian) = (&mut out.gradient, &mut out.hessian);
+        if let Some(layout) = &states {
+            s.chain.state_finish(&s.hessian, layout, gradient, hessian);
+            self.state_derivatives(t, y, out);
+        } else {
+            let dynamics = interval.dynamics.then_some(&s.hessian);
+            s.chain
+                .finish(dynamics, here, next, &layout, gradient, hessian);
+        }
+        let (program, s) = (&self.program, &self.scratch);
+        let interval = &program.intervals[t];
         if let (true, Some(time)) = (interval.dynamics, interval.time) {
             out.gradient[time] += program.settings.weights.time / s.chain.motion.steps;
+        }
+    }
+
+    /// Rows of node velocities that are unknowns.
+    fn state_derivatives(&mut self, t: usize, y: &[f64], out: &mut ElementData) {
+        let program = &self.program;
+        let interval = &program.intervals[t];
+        let s = &mut self.scratch;
+        let at = At {
+            program,
+            interval,
+            difference: &self.differences[t],
+            motion: &s.chain.motion,
+        };
+        if let Some(rows) = interval.integrator {
+            at.integrator_derivatives(rows, y, out);
+        }
+        for touch in &interval.touches {
+            let frame = &program.frames[program.nodes[t].frames[touch.slot]];
+            let place = (frame, &self.nodes[t].relatives[touch.slot]);
+            states::touch_derivatives(touch, place, &at, y, &mut s.virtual_speeds, out);
         }
     }
 
@@ -235,7 +280,20 @@ impl Trajectory {
         let program = &self.program;
         let interval = &program.intervals[t];
         let n = program.structure.elements[t].vars.len();
+        let share = program.share[interval.phase];
+        let weight = program.settings.weights.force * share;
         let s = &mut self.scratch;
+        for &(here, next) in &interval.changes {
+            let weight = program.settings.weights.force_rate / share;
+            let first = program.intervals[t + 1].wrench_var;
+            let variable = program.structure.elements[t].vars[next] - first;
+            let change = x.wrenches[t + 1][variable] - x.wrenches[t][here];
+            out.gradient[here] -= weight * change;
+            out.gradient[next] += weight * change;
+            out.hessian[here * n + here] += weight;
+            out.hessian[next * n + next] += weight;
+            out.hessian[here * n + next] -= weight;
+        }
         for force in &interval.forces {
             let wrench = physical_wrench(force, &x.wrenches[t]);
             let relative = &self.nodes[t].relatives[force.slot];
@@ -243,8 +301,8 @@ impl Trajectory {
             for i in 0..force.n {
                 let v = force.first + i;
                 let difference = x.wrenches[t][v] - force.reference[i];
-                out.gradient[v] += program.settings.weights.force * difference;
-                out.hessian[v * n + v] += program.settings.weights.force;
+                out.gradient[v] += weight * difference;
+                out.hessian[v * n + v] += weight;
             }
             for rows in &force.rows {
                 let m = rows.n_rows;
@@ -280,11 +338,46 @@ impl Trajectory {
                     }
                 }
                 let gradient = gradients.iter().zip(weights).map(|(g, w)| g.0 * *w).sum();
-                frame.pose_hessian(relative, &gradient, &h.pose, |k, l, value| {
-                    let (i, j) = (first + frame.cols[k], first + frame.cols[l]);
-                    out.hessian[i.min(j) * n + i.max(j)] += value;
-                });
+                self.pose_sums[0][force.slot].add(&gradient, &h.pose);
             }
+        }
+    }
+}
+
+/// What the terms of one relative pose add up to: gradients by increments of a and the Hessian.
+#[derive(Debug, Clone)]
+pub(crate) struct PoseSum {
+    /// Of the costs alone.
+    cost_gradient: Vector6<f64>,
+    /// Of the Lagrangian.
+    gradient: Vector6<f64>,
+    hessian: Matrix6<f64>,
+    is_zero: bool,
+}
+
+impl PoseSum {
+    /// Nothing yet.
+    pub fn new() -> Self {
+        Self {
+            cost_gradient: Vector6::zeros(),
+            gradient: Vector6::zeros(),
+            hessian: Matrix6::zeros(),
+            is_zero: true,
+        }
+    }
+
+    fn clear(&mut self) {
+        if !self.is_zero {
+            *self = Self::new();
+        }
+    }
+
+    /// Adds a term; one far away, whose gradient is zero, costs nothing later.
+    fn add(&mut self, gradient: &Vector6<f64>, hessian: &Matrix6<f64>) {
+        if *gradient != Vector6::zeros() || *hessian != Matrix6::zeros() {
+            self.gradient += gradient;
+            self.hessian += hessian;
+            self.is_zero = false;
         }
     }
 }

@@ -119,43 +119,76 @@ pub fn straight(system: &System, keyframes: &[Vec<f64>], steps: usize) -> Vec<Ve
     out
 }
 
-/// Interpolates a path with `path_steps` configurations per phase to `steps[k]` nodes in phase k: a cubic curve through
-/// all of them (Catmull and Rom 1974), at rest at both ends.
+/// A cubic curve through configurations at given times (Catmull and Rom 1974), at rest at both ends.
+pub struct Curve<'a> {
+    system: &'a System,
+    times: &'a [f64],
+    nodes: &'a [Vec<f64>],
+    /// nodes[i+1] ⊖ nodes[i].
+    differences: Vec<Vec<f64>>,
+}
+
+impl<'a> Curve<'a> {
+    /// Through `nodes` at increasing `times`, one each.
+    pub fn new(system: &'a System, times: &'a [f64], nodes: &'a [Vec<f64>]) -> Self {
+        let differences = nodes
+            .windows(2)
+            .map(|pair| system.model.difference(&pair[0], &pair[1]))
+            .collect();
+        Self {
+            system,
+            times,
+            nodes,
+            differences,
+        }
+    }
+
+    /// Velocity component `k` at node `i`.
+    fn tangent(&self, i: usize, k: usize) -> f64 {
+        if i == 0 || i == self.differences.len() {
+            return 0.0;
+        }
+        let moved = self.differences[i - 1][k] + self.differences[i][k];
+        moved / (self.times[i + 1] - self.times[i - 1])
+    }
+
+    /// Configuration and velocity at a time.
+    pub fn at(&self, time: f64) -> (Vec<f64>, Vec<f64>) {
+        let last = self.differences.len() - 1;
+        let piece = self.times[1..=last].partition_point(|&t| t < time);
+        let length = self.times[piece + 1] - self.times[piece];
+        let s = ((time - self.times[piece]) / length).clamp(0.0, 1.0);
+        let nv = self.system.model.nv;
+        let (mut increment, mut velocity) = (vec![0.0; nv], vec![0.0; nv]);
+        for k in 0..nv {
+            let (m0, m1) = (self.tangent(piece, k), self.tangent(piece + 1, k));
+            let d = self.differences[piece][k];
+            increment[k] = length * (s * (1.0 - s) * (1.0 - s) * m0 + s * s * (s - 1.0) * m1)
+                + s * s * (3.0 - 2.0 * s) * d;
+            velocity[k] = (1.0 - s) * (1.0 - 3.0 * s) * m0
+                + s * (3.0 * s - 2.0) * m1
+                + 6.0 * s * (1.0 - s) * d / length;
+        }
+        let q = self.system.model.integrate(&self.nodes[piece], &increment);
+        (q, velocity)
+    }
+}
+
+/// Interpolates a path with `path_steps` configurations per phase to `steps[k]` nodes in phase k.
 pub fn interpolate(
     system: &System,
     steps: &[usize],
     path: &[Vec<f64>],
     path_steps: usize,
 ) -> Vec<Vec<f64>> {
-    let differences: Vec<Vec<f64>> = path
-        .windows(2)
-        .map(|pair| system.model.difference(&pair[0], &pair[1]))
+    let times: Vec<f64> = (0..path.len())
+        .map(|i| i as f64 / path_steps as f64)
         .collect();
-    let last = differences.len();
-    let tangent = |i: usize, k: usize| {
-        if i == 0 || i == last {
-            0.0
-        } else {
-            0.5 * (differences[i - 1][k] + differences[i][k])
-        }
-    };
+    let curve = Curve::new(system, &times, path);
     let mut out = vec![path[0].clone()];
     for (phase, &count) in steps.iter().enumerate() {
-        for i in 1..=count {
-            let along = (i * path_steps) as f64 / count as f64;
-            let piece = phase * path_steps + (along.ceil() as usize - 1).min(path_steps - 1);
-            let s = along - (piece - phase * path_steps) as f64;
-            let (start, end) = (s * (1.0 - s) * (1.0 - s), s * s * (s - 1.0));
-            let middle = s * s * (3.0 - 2.0 * s);
-            let increment: Vec<f64> = (0..system.model.nv)
-                .map(|k| {
-                    start * tangent(piece, k)
-                        + middle * differences[piece][k]
-                        + end * tangent(piece + 1, k)
-                })
-                .collect();
-            out.push(system.model.integrate(&path[piece], &increment));
-        }
+        let along = |i: usize| phase as f64 + i as f64 / count as f64;
+        out.extend((1..=count).map(|i| curve.at(along(i)).0));
     }
     // Explicit Euler from rest and to rest: the first two and the last two nodes coincide.
     let n = out.len() - 1;
@@ -191,8 +224,14 @@ pub fn point(program: &Program, scene: &Scene, nodes: Vec<Vec<f64>>) -> Point {
         crate::Grid::Motion => vec![duration; program.steps.len()],
         _ => vec![1.0; program.steps.len()],
     };
+    let velocities = if program.has_velocities() {
+        vec![vec![0.0; program.system.model.nv]; nodes.len()]
+    } else {
+        vec![]
+    };
     Point {
         nodes,
+        velocities,
         wrenches,
         durations,
     }

@@ -3,6 +3,7 @@
 //! Data flow: a [`scene::Scene`] and a sequence of [`Phase`]s become a [`Program`] (which variables and rows exist), a
 //! [`Trajectory`] evaluates it, the solver moves a [`Point`], [`motion`] solves it from keyframes to a checked result.
 
+mod between;
 mod chain;
 pub mod collision;
 mod derivatives;
@@ -15,20 +16,24 @@ mod path;
 mod point;
 mod problem;
 mod program;
+mod refine;
 mod relative;
 mod relative_motion;
 mod resting;
 mod settings;
 mod slip;
+mod states;
 mod system;
 pub mod terms;
 
+pub use between::Between;
 pub use keyframes::Keyframes;
 pub use motion::{Motion, Planner, Worst};
 pub use point::Point;
 pub use problem::{Trajectory, physical_wrench};
 pub use program::{Force, Grid, Interval, Node, Phase, Program, RowLabel, Subject, goal_body};
+pub use refine::Refinement;
 pub use relative::{Body, Carrier};
 pub use relative_motion::Relative;
-pub use settings::{Margins, Preset, Settings, Weights};
+pub use settings::{Integrator, Margins, Preset, Settings, Weights};
 pub use system::System;

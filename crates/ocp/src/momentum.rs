@@ -15,13 +15,15 @@
 //! second order ½ λᵀ[ξ, [ξ, z]]; by c it is (y_ang × R f)·c.
 
 use crate::chain::{Chain, Layout};
-use crate::difference::Difference;
+use crate::difference::{Difference, End};
 use crate::problem::physical_wrench;
 use crate::program::{Force, Program};
 use crate::relative::{Relative, RelativeFrame, bracket, bracket_transpose};
 use multibody::{CenterOfMass, Centroidal, CentroidalDerivatives, Kinematics, Model};
 use nalgebra::{DMatrix, Matrix3xX, Matrix6, Vector3, Vector6};
 use solver::ElementData;
+
+const ENDS: [End; 2] = [End::A, End::B];
 
 /// A contact's wrench on the robot.
 pub struct Push<'a> {
@@ -342,19 +344,19 @@ impl Momentum {
             self.square.fill(0.0);
             let mut robot = self.square.view_mut((0, 0), (robot_nv, robot_nv));
             robot.copy_from(qv);
-            difference.chain_columns(&mut self.square, false);
+            difference.recombine_columns(&mut self.square, End::A);
             for l in 0..nv {
                 for k in l..nv {
                     let curvature = if k < robot_nv { qq[(k, l)] } else { 0.0 };
                     let mixed = (self.square[(k, l)] + self.square[(l, k)]) / dt;
-                    out.hessian[(b + l) * n + b + k] += curvature + mixed;
+                    out.hessian[(b + l) * n + b + k] += curvature - mixed;
                 }
             }
             if let Some(c) = c {
                 self.square.fill(0.0);
                 let mut robot = self.square.view_mut((0, 0), (robot_nv, robot_nv));
                 robot.copy_from(qv);
-                difference.chain_columns(&mut self.square, true);
+                difference.recombine_columns(&mut self.square, End::B);
                 for l in 0..nv {
                     for k in 0..nv {
                         out.hessian[(b + l) * n + c + k] += self.square[(l, k)] / dt;
@@ -374,13 +376,13 @@ impl Momentum {
         };
         let by_dt = self.speed_of_change(v) / -dt;
         add_column(at, time, &(by_dt / steps), nv, &mut out.jacobians[0]);
-        for (block, first) in firsts.into_iter().enumerate() {
+        for (end, first) in ENDS.into_iter().zip(firsts) {
             let Some(first) = first else { continue };
             self.by_v_chained.copy_from_slice(&self.by_v);
-            difference.chain_vector(&mut self.by_v_chained, block == 1);
+            difference.recombine(&mut self.by_v_chained, end);
             for (l, chained) in self.by_v_chained.iter().enumerate() {
-                let mut value = chained / dt;
-                if block == 0 && l < robot_nv {
+                let mut value = end.sign() * chained / dt;
+                if end == End::A && l < robot_nv {
                     value += (0..robot_nv).map(|k| qv[(l, k)] * v[k]).sum::<f64>() / dt;
                 }
                 out.hessian[(first + l) * n + time] -= value / steps;
@@ -412,16 +414,16 @@ impl Momentum {
     ) {
         let nv = self.six.ncols();
         let robot_nv = at.robot.nv;
-        for (block, first) in firsts.into_iter().enumerate() {
+        for (end, first) in ENDS.into_iter().zip(firsts) {
             let Some(first) = first else { continue };
             self.chained.fill(0.0);
             self.chained
                 .columns_mut(0, robot_nv)
                 .copy_from(self.derivatives.dh_dv());
-            difference.chain_columns(&mut self.chained, block == 1);
+            difference.recombine_columns(&mut self.chained, end);
             for l in 0..robot_nv {
-                let mut column = self.chained.fixed_view::<6, 1>(0, l) / dt;
-                if block == 0 {
+                let mut column = self.chained.fixed_view::<6, 1>(0, l) * (end.sign() / dt);
+                if end == End::A {
                     column += self.derivatives.dh_dq().column(l);
                 }
                 add_column(at, first + l, &(column * sign), nv, jacobian);

@@ -5,7 +5,7 @@ use crate::guess;
 use crate::point::Point;
 use crate::problem::Trajectory;
 use crate::program::{Grid, Phase, Program, RowLabel};
-use crate::relative_motion::{self, Relative, Start};
+use crate::relative_motion::Relative;
 use crate::settings::{Preset, Settings};
 use crate::system::System;
 use scene::Scene;
@@ -15,9 +15,17 @@ use solver::{InteriorPoint, Iteration, Options, Problem, Report, Status, Timing}
 const REPAIRS: usize = 4;
 /// Overlap half-way between two nodes that is tolerated [m].
 const BETWEEN_TOLERANCE: f64 = 0.002;
+/// Violation of a clearance that had no row which is tolerated [m]: a small part of every margin.
+const NEW_TOLERANCE: f64 = 1e-3;
 /// Barrier parameter and relaxation with which a repair starts from the last solution.
 const REPAIR_BARRIER: f64 = 1e-3;
 const REPAIR_PUSH: f64 = 1e-4;
+/// Largest violation of a solution (scaled rows).
+const SOLVED: f64 = 1e-6;
+/// Tolerances where velocities are unknowns: on a fine grid positions are so stiff that refinement of the linear solves
+/// gains its last digits slowly.
+const STATE_TOLERANCE: f64 = 1e-6;
+const STATE_DUAL_TOLERANCE: f64 = 1e-2;
 
 /// A problem's worst row in words.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,6 +62,39 @@ pub struct Motion {
     pub hardest: Option<Worst>,
 }
 
+/// How the first round is solved.
+pub(crate) struct First {
+    /// Options of the solver.
+    pub options: Options,
+    /// Multipliers of the rows.
+    pub multipliers: Option<Vec<f64>>,
+    /// Most iterations of any round.
+    pub max_iterations: usize,
+}
+
+impl First {
+    /// From a guess.
+    fn cold() -> Self {
+        Self {
+            options: Options::default(),
+            multipliers: None,
+            max_iterations: usize::MAX,
+        }
+    }
+
+    /// From a point near a solution.
+    pub fn near_solution() -> Self {
+        Self {
+            options: Options {
+                initial_barrier: REPAIR_BARRIER,
+                bound_push: REPAIR_PUSH,
+                ..Options::default()
+            },
+            ..Self::cold()
+        }
+    }
+}
+
 /// What a planner needs for one scene, made once.
 pub struct Planner<'a> {
     /// The scene.
@@ -87,11 +128,11 @@ impl<'a> Planner<'a> {
         keyframes: &[Vec<f64>],
         observe: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Motion {
-        let start = Start {
-            nodes: self.guide(phases, settings, keyframes),
-            relative: None,
-        };
-        self.optimise(phases, settings, start, observe)
+        let nodes = self.guide(phases, settings, keyframes);
+        let none = ExtraClearance::new();
+        let program = self.program(phases, settings, Grid::Motion, near(&nodes, &none));
+        let point = guess::point(&program, self.scene, nodes);
+        self.optimise(phases, program, point, First::cold(), observe)
     }
 
     /// The same from a relative ([`Motion::relative`]) if that leads to a motion; `None` if it does not, or if the two share
@@ -103,57 +144,48 @@ impl<'a> Planner<'a> {
         relative: &Relative,
         observe: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Option<Motion> {
-        let start = self.start_from(phases, settings, relative)?;
-        let motion = self.optimise(phases, settings, start, observe);
+        let (program, point, first) = self.start_from(phases, settings, relative)?;
+        let motion = self.optimise(phases, program, point, first, observe);
         let ended = motion.feasible || motion.report.status == Status::Interrupted;
         ended.then_some(motion)
     }
 
-    fn optimise(
+    /// Solves a program, again with more collision pairs or clearance where the motion collides.
+    pub(crate) fn optimise(
         &self,
         phases: &[Phase],
-        settings: &Settings,
-        start: Start<'_>,
+        mut program: Program,
+        mut point: Point,
+        mut first: First,
         observe: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Motion {
-        let Start { nodes, relative } = start;
+        let settings = &program.settings.clone();
         let mut extra = ExtraClearance::new();
-        let mut program = self.program(phases, settings, Grid::Motion, near(&nodes, &extra));
-        let mut point = guess::point(&program, self.scene, nodes);
-        let mut multipliers = relative.and_then(|(relative, kept)| {
-            relative.fill(kept, &mut point);
-            let whole = kept == phases.len();
-            whole.then(|| relative.multipliers(&program))
-        });
         let (mut iterations, mut seconds, mut timing) = (0, 0.0, Timing::default());
         for round in 0.. {
             let mut trajectory = Trajectory::new(program);
             let structure = trajectory.structure().clone();
-            let mut options = match (round, relative) {
-                (0, None) => Options::default(),
-                (0, Some((_, kept))) => relative_motion::options(kept == phases.len()),
-                _ => Options {
-                    initial_barrier: REPAIR_BARRIER,
-                    bound_push: REPAIR_PUSH,
-                    ..Options::default()
-                },
+            let mut options = if round == 0 {
+                first.options.clone()
+            } else {
+                First::near_solution().options
             };
-            options.max_iterations = settings.max_iterations;
-            if relative.is_some() {
-                options.max_iterations =
-                    options.max_iterations.min(relative_motion::MOST_ITERATIONS);
+            options.max_iterations = settings.max_iterations.min(first.max_iterations);
+            if trajectory.program.has_velocities() {
+                options.feasibility_tolerance = STATE_TOLERANCE;
+                options.dual_tolerance = STATE_DUAL_TOLERANCE;
             }
             let report = InteriorPoint::new(&structure).solve(
                 &mut trajectory,
                 &mut point,
                 &options,
-                multipliers.take().as_deref(),
+                first.multipliers.take().as_deref(),
                 observe,
             );
             iterations += report.iterations;
             seconds += report.timing.total.as_secs_f64();
             timing += report.timing;
-            let solved = report.violation <= 10.0 * options.feasibility_tolerance;
+            let solved = report.violation <= SOLVED;
             if solved && report.status != Status::Interrupted && round < REPAIRS {
                 let between = settings.preset == Preset::Default
                     && self.demand_clearance_between(
@@ -244,7 +276,7 @@ pub(crate) fn violates_new_rows(program: &Program, point: &Point) -> bool {
         d.values
             .iter()
             .zip(e.row_lower.iter().zip(&e.row_upper))
-            .any(|(c, (l, u))| l - c > 1e-5 || c - u > 1e-5)
+            .any(|(c, (l, u))| l - c > NEW_TOLERANCE || c - u > NEW_TOLERANCE)
     })
 }
 

@@ -7,6 +7,8 @@ pub struct Point {
     pub nodes: Vec<Vec<f64>>,
     /// Scaled wrench variables per interval, in the order of its contacts.
     pub wrenches: Vec<Vec<f64>>,
+    /// Velocities of all nodes where they are unknowns of their own ([`crate::Integrator::has_velocities`]), else none.
+    pub velocities: Vec<Vec<f64>>,
     /// Durations per phase [s] (all 1 for keyframes).
     pub durations: Vec<f64>,
 }

@@ -4,23 +4,74 @@
 //! from (q, v, a) to the node variables is in [`crate::chain`].
 
 use crate::chain::{Chain, Motion};
+use crate::derivatives::PoseSum;
 use crate::difference::Difference;
 use crate::momentum::{Context, Momentum};
 use crate::point::Point;
 use crate::program::{Grid, Program};
 use crate::relative::Relative;
 use crate::slip::{self, Slips};
+use crate::states::{self, At};
 use crate::terms::PoseTerm;
 use crate::terms::place::Place;
 use multibody::{Kinematics, Rnea, RneaHessian};
-use nalgebra::{DMatrix, Vector6};
-use solver::{ElementData, Problem, Structure};
+use nalgebra::Vector6;
+use solver::{ElementData, ElementStructure, Problem, Structure};
 
 /// Relative poses and kinematics of one node.
 #[derive(Debug, Clone)]
 pub(crate) struct NodeState {
     pub(crate) kinematics: Kinematics,
     pub(crate) relatives: Vec<Relative>,
+}
+
+/// What was evaluated last: an accepted trial point is linearised without being evaluated again.
+pub(crate) struct Evaluated {
+    /// The point of nodes and differences; NaN before the first.
+    point: Point,
+    /// Objective and row values of every element; of an older point where `fresh` is false.
+    values: Vec<(f64, Vec<f64>)>,
+    fresh: bool,
+}
+
+impl Evaluated {
+    fn new(program: &Program) -> Self {
+        let of_rows = |e: &ElementStructure| (f64::NAN, vec![f64::NAN; e.n_rows()]);
+        Self {
+            point: Point {
+                nodes: vec![vec![f64::NAN; program.system.model.nq]; program.nodes.len()],
+                wrenches: (program.intervals.iter())
+                    .map(|i| vec![f64::NAN; i.n_wrench])
+                    .collect(),
+                velocities: if program.has_velocities() {
+                    vec![vec![f64::NAN; program.system.model.nv]; program.nodes.len()]
+                } else {
+                    vec![]
+                },
+                durations: vec![f64::NAN; program.steps.len()],
+            },
+            values: program.structure.elements.iter().map(of_rows).collect(),
+            fresh: false,
+        }
+    }
+
+    /// False if the point is another one, which then takes its place.
+    fn is_at(&mut self, x: &Point) -> bool {
+        if self.point == *x {
+            return true;
+        }
+        let of_vectors = |to: &mut [Vec<f64>], from: &[Vec<f64>]| {
+            for (to, from) in to.iter_mut().zip(from) {
+                to.copy_from_slice(from);
+            }
+        };
+        of_vectors(&mut self.point.nodes, &x.nodes);
+        of_vectors(&mut self.point.wrenches, &x.wrenches);
+        of_vectors(&mut self.point.velocities, &x.velocities);
+        self.point.durations.copy_from_slice(&x.durations);
+        self.fresh = false;
+        false
+    }
 }
 
 /// Scratch of one interval's evaluation.
@@ -34,7 +85,6 @@ pub(crate) struct Scratch {
     pub(crate) values: Vec<f64>,
     pub(crate) gradients: Vec<Vector6<f64>>,
     pub(crate) force_gradients: Vec<(Vector6<f64>, Vector6<f64>)>,
-    pub(crate) rows: DMatrix<f64>,
     pub(crate) momentum: Momentum,
     pub(crate) slips: Slips,
 }
@@ -46,6 +96,9 @@ pub struct Trajectory {
     pub(crate) nodes: Vec<NodeState>,
     pub(crate) differences: Vec<Difference>,
     pub(crate) scratch: Scratch,
+    /// Scratch of the two nodes of an interval, one per relative pose.
+    pub(crate) pose_sums: [Vec<PoseSum>; 2],
+    evaluated: Evaluated,
 }
 
 impl Trajectory {
@@ -71,7 +124,7 @@ impl Trajectory {
             .structure
             .elements
             .iter()
-            .map(solver::ElementStructure::n_rows)
+            .map(ElementStructure::n_rows)
             .max()
             .unwrap_or(0);
         let scratch = Scratch {
@@ -84,11 +137,14 @@ impl Trajectory {
             values: vec![0.0; most_rows.max(16)],
             gradients: vec![Vector6::zeros(); most_rows.max(16)],
             force_gradients: vec![(Vector6::zeros(), Vector6::zeros()); 16],
-            rows: DMatrix::zeros(nv, nv),
             momentum: Momentum::new(&program.system.robot, nv),
             slips: Slips::new(nv),
         };
+        let most_frames = (program.nodes.iter().map(|n| n.frames.len())).max();
+        let pose_sums = vec![PoseSum::new(); most_frames.unwrap_or(0)];
         Self {
+            evaluated: Evaluated::new(&program),
+            pose_sums: [pose_sums.clone(), pose_sums],
             program,
             nodes,
             differences,
@@ -98,6 +154,9 @@ impl Trajectory {
 
     /// Kinematics, relative poses and differences at a point.
     fn update(&mut self, x: &Point) {
+        if self.evaluated.is_at(x) {
+            return;
+        }
         let program = &self.program;
         for (t, (node, state)) in program.nodes.iter().zip(&mut self.nodes).enumerate() {
             state.kinematics.update(&program.system.model, &x.nodes[t]);
@@ -139,8 +198,15 @@ impl Trajectory {
         } else {
             1.0
         };
+        let states = self.program.has_velocities();
         let xi = &self.differences[t].xi;
         for i in 0..motion.v.len() {
+            if states {
+                motion.v[i] = x.velocities[t][i];
+                motion.v_next[i] = x.velocities[t + 1][i];
+                motion.a[i] = (motion.v_next[i] - motion.v[i]) / dt;
+                continue;
+            }
             motion.v[i] = if interval.v { xi[i] / dt } else { 0.0 };
             motion.v_next[i] = if interval.v_next {
                 self.differences[t + 1].xi[i] / dt_next
@@ -226,18 +292,34 @@ impl Trajectory {
             }
             objective += program.settings.weights.time * s.chain.motion.dt;
         }
+        let share = program.share[interval.phase];
         for (i, (wv, wa)) in program.motion_weights.iter().enumerate() {
             let (v, a) = (
                 s.chain.motion.v[i],
                 if dynamics { s.chain.motion.a[i] } else { 0.0 },
             );
-            objective += 0.5 * (wv * v * v + wa * a * a);
+            objective += 0.5 * share * (wv * v * v + wa * a * a);
         }
         if let Some(first) = interval.velocity_rows {
             for (k, joint) in program.system.actuated().enumerate() {
                 out.values[first + k] =
                     s.chain.motion.v[joint.idx_v] / velocity_scale(joint.velocity_limit);
             }
+        }
+        let at = At {
+            program,
+            interval,
+            difference: &self.differences[t],
+            motion: &s.chain.motion,
+        };
+        if let Some(rows) = interval.integrator {
+            at.integrator_values(rows, &mut out.values);
+        }
+        for touch in &interval.touches {
+            let frame = &program.frames[program.nodes[t].frames[touch.slot]];
+            let relative = &self.nodes[t].relatives[touch.slot];
+            let v = &s.chain.motion.v;
+            states::touch_values(touch, frame, relative, v, &mut out.values);
         }
         for stick in &interval.sticks {
             let n = stick.place.n_rows();
@@ -264,6 +346,7 @@ impl Trajectory {
             };
             s.slips.values(slip, at, &s.chain.motion.v, &mut out.values);
         }
+        let weight = program.settings.weights.force * share;
         for force in &interval.forces {
             let scaled = &x.wrenches[t][force.first..force.first + force.n];
             let wrench = physical_wrench(force, &x.wrenches[t]);
@@ -276,7 +359,16 @@ impl Trajectory {
                 );
             }
             for (l, r) in scaled.iter().zip(&force.reference) {
-                objective += 0.5 * program.settings.weights.force * (l - r) * (l - r);
+                objective += 0.5 * weight * (l - r) * (l - r);
+            }
+        }
+        if !interval.changes.is_empty() {
+            let weight = program.settings.weights.force_rate / share;
+            let first = program.intervals[t + 1].wrench_var;
+            let vars = &program.structure.elements[t].vars;
+            for &(here, next) in &interval.changes {
+                let change = x.wrenches[t + 1][vars[next] - first] - x.wrenches[t][here];
+                objective += 0.5 * weight * change * change;
             }
         }
         for node in element_nodes(program, t) {
@@ -362,6 +454,11 @@ impl Problem for Trajectory {
                     model.integrate_scaled_into(&x.nodes[t], dx, step, &mut out.nodes[t]);
                 }
             }
+            if let Some(first) = node.velocity_var {
+                for i in 0..model.nv {
+                    out.velocities[t][i] = x.velocities[t][i] + step * dx[first + i];
+                }
+            }
         }
         for (t, interval) in self.program.intervals.iter().enumerate() {
             for i in 0..interval.n_wrench {
@@ -383,6 +480,9 @@ impl Problem for Trajectory {
                     out[first + joint.idx_v] = x.nodes[t][joint.idx_q];
                 }
             }
+            if let Some(first) = node.velocity_var {
+                out[first..first + model.nv].copy_from_slice(&x.velocities[t]);
+            }
         }
         debug_assert_eq!(model.nq, x.nodes[0].len());
         for (t, interval) in self.program.intervals.iter().enumerate() {
@@ -398,16 +498,28 @@ impl Problem for Trajectory {
     fn evaluate(&mut self, x: &Point, out: &mut [ElementData]) {
         self.update(x);
         for (t, data) in out.iter_mut().enumerate() {
-            self.values(x, t, data);
+            if self.evaluated.fresh {
+                let (objective, values) = &self.evaluated.values[t];
+                data.objective = *objective;
+                data.values.copy_from_slice(values);
+            } else {
+                self.values(x, t, data);
+                let (objective, values) = &mut self.evaluated.values[t];
+                *objective = data.objective;
+                values.copy_from_slice(&data.values);
+            }
         }
+        self.evaluated.fresh = true;
     }
 
     fn linearise(&mut self, x: &Point, multipliers: &[f64], out: &mut [ElementData]) {
-        self.update(x);
+        self.evaluate(x, out);
+        for difference in &mut self.differences {
+            difference.linearise();
+        }
         let mut first = 0;
         for (t, data) in out.iter_mut().enumerate() {
             let rows = data.values.len();
-            self.values(x, t, data);
             self.derivatives(x, t, &multipliers[first..first + rows], data);
             first += rows;
         }

@@ -5,8 +5,10 @@
 //! planned anew, since it leads elsewhere: keyframes from its first configuration, a path, the first guess for the rest. If
 //! all phases are shared, the multipliers are kept too, which makes a smaller first barrier parameter pay.
 
+use crate::collision::ExtraClearance;
+use crate::guess;
 use crate::keyframes::Ask;
-use crate::motion::{Motion, Planner};
+use crate::motion::{First, Motion, Planner, near};
 use crate::point::Point;
 use crate::program::{Grid, Phase, Program, RowLabel};
 use crate::settings::Settings;
@@ -14,12 +16,12 @@ use solver::{Options, Report};
 use symbolic::ContactState;
 
 /// Iterations after which a round from a relative has failed: the cold start is better then.
-pub(crate) const MOST_ITERATIONS: usize = 60;
+const MOST_ITERATIONS: usize = 60;
 /// Change of a coordinate of an object at rest [m].
 const AT_REST: f64 = 1e-4;
 
 /// Solver options of the first round (benches/runs/2026-11-21-keyframes.md); `whole` if all phases are shared.
-pub(crate) fn options(whole: bool) -> Options {
+fn options(whole: bool) -> Options {
     Options {
         initial_barrier: if whole { 1e-4 } else { 1e-3 },
         bound_push: if whole { 1e-4 } else { 1e-3 },
@@ -36,14 +38,6 @@ pub struct Relative {
     point: Point,
     /// Labels and multipliers of the rows of every interval.
     rows: Vec<Vec<(RowLabel, f64)>>,
-}
-
-/// Where a motion starts: configurations, and the rest of what is shared with a relative.
-pub(crate) struct Start<'a> {
-    /// One configuration per node.
-    pub nodes: Vec<Vec<f64>>,
-    /// The relative and the number of phases that are taken from it.
-    pub relative: Option<(&'a Relative, usize)>,
 }
 
 impl Motion {
@@ -84,15 +78,18 @@ impl Relative {
         pairs.take_while(|(a, b)| a == b).count()
     }
 
-    /// Puts the shared phases' wrenches and durations into a point.
-    pub(crate) fn fill(&self, kept: usize, point: &mut Point) {
+    /// Puts the shared phases' wrenches, durations and velocities, where these are unknowns, into a point.
+    fn fill(&self, kept: usize, point: &mut Point) {
         let n: usize = self.phases[..kept].iter().map(|p| p.steps).sum();
+        if !self.point.velocities.is_empty() && !point.velocities.is_empty() {
+            point.velocities[..n].clone_from_slice(&self.point.velocities[..n]);
+        }
         point.wrenches[..n].clone_from_slice(&self.point.wrenches[..n]);
         point.durations[..kept].copy_from_slice(&self.point.durations[..kept]);
     }
 
     /// Multipliers for the rows of a program with the same phases: those of rows with the same label, zero for others.
-    pub(crate) fn multipliers(&self, program: &Program) -> Vec<f64> {
+    fn multipliers(&self, program: &Program) -> Vec<f64> {
         let mut out = vec![0.0; program.labels.len()];
         let mut first = 0;
         for (t, element) in program.structure.elements.iter().enumerate() {
@@ -124,12 +121,12 @@ fn transfer(from: &[(RowLabel, f64)], labels: &[RowLabel], out: &mut [f64]) {
 
 impl Planner<'_> {
     /// The start of a motion from a relative; `None` if they share too little or the rest has no keyframes from there.
-    pub(crate) fn start_from<'r>(
+    pub(crate) fn start_from(
         &self,
         phases: &[Phase],
         settings: &Settings,
-        relative: &'r Relative,
-    ) -> Option<Start<'r>> {
+        relative: &Relative,
+    ) -> Option<(Program, Point, First)> {
         let shared = relative.shared_phases(phases);
         let whole = shared == phases.len() && shared == relative.phases.len();
         let kept = if whole {
@@ -151,10 +148,16 @@ impl Planner<'_> {
             nodes.truncate(n);
             nodes.extend(rest);
         }
-        Some(Start {
-            nodes,
-            relative: Some((relative, kept)),
-        })
+        let none = ExtraClearance::new();
+        let program = self.program(phases, settings, Grid::Motion, near(&nodes, &none));
+        let mut point = guess::point(&program, self.scene, nodes);
+        relative.fill(kept, &mut point);
+        let first = First {
+            options: options(whole),
+            multipliers: whole.then(|| relative.multipliers(&program)),
+            max_iterations: MOST_ITERATIONS,
+        };
+        Some((program, point, first))
     }
 
     /// The scene's own start at the first two nodes; what has not moved yet stays where it starts.

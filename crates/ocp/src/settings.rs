@@ -10,6 +10,34 @@ pub enum Preset {
     Paper,
 }
 
+/// How the state of a node follows from the one before; a the acceleration of the interval.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Integrator {
+    /// q⁺ = q ⊕ v dt (paper, eq. robot_integration).
+    #[default]
+    Euler,
+    /// q⁺ = q ⊕ v⁺ dt.
+    SemiImplicitEuler,
+    /// q⁺ = q ⊕ (v dt + ½ a dt²).
+    ConstantAcceleration,
+}
+
+impl Integrator {
+    /// Shares (β, γ) of the two node velocities in the displacement: q⁺ ⊖ q = dt (β v + γ v⁺), with v⁺ = v + a dt.
+    pub fn shares(self) -> (f64, f64) {
+        match self {
+            Self::Euler => (1.0, 0.0),
+            Self::SemiImplicitEuler => (0.0, 1.0),
+            Self::ConstantAcceleration => (0.5, 0.5),
+        }
+    }
+
+    /// True if node velocities are unknowns of their own; with explicit Euler they are differences of configurations.
+    pub fn has_velocities(self) -> bool {
+        self != Self::Euler
+    }
+}
+
 /// Weights of the costs; each multiplies half a sum of squares over all nodes or intervals. Dimensionless after the
 /// scaling that is named, so that they fit robots of any size.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +54,8 @@ pub struct Weights {
     pub acceleration: f64,
     /// Contact wrenches in units of their scale.
     pub force: f64,
+    /// Changes of contact wrenches from one interval to the next, in units of their scale; where velocities are unknowns.
+    pub force_rate: f64,
     /// Velocities of objects.
     pub object_velocity: f64,
     /// Accelerations of objects.
@@ -47,6 +77,7 @@ impl Default for Weights {
             velocity: 0.05,
             acceleration: 1e-3,
             force: 1e-3,
+            force_rate: 0.02,
             object_velocity: 0.01,
             object_acceleration: 1e-3,
             time: 1.0,
@@ -77,6 +108,9 @@ pub struct Margins {
     pub self_clearance: f64,
     /// Height of a foot between its contacts [m].
     pub swing: f64,
+    /// Sixteenths of a phase in which a contact that bears the robot or an object takes up its load after a change, and gives
+    /// it away before one; 0: at once.
+    pub ramp: f64,
     /// Distance that a contact's edge keeps from the edge of its support [m].
     pub bounds: f64,
 }
@@ -95,6 +129,7 @@ impl Margins {
             clearance: 0.02,
             self_clearance: 0.015,
             swing: 0.03,
+            ramp: 3.0,
             bounds: 0.005,
         }
     }
@@ -111,6 +146,7 @@ impl Margins {
             clearance: 0.0,
             self_clearance: 0.0,
             swing: 0.0,
+            ramp: 0.0,
             bounds: 0.0,
         }
     }
@@ -121,6 +157,10 @@ impl Margins {
 pub struct Settings {
     /// Which problem.
     pub preset: Preset,
+    /// How states follow from one another; the preset `paper` has explicit Euler only.
+    pub integrator: Integrator,
+    /// Longest interval [s]; ∞: bounded by the phases only.
+    pub max_step: f64,
     /// Shortest phase [s].
     pub min_duration: f64,
     /// Longest phase [s].
@@ -140,6 +180,8 @@ impl Settings {
     pub fn new(preset: Preset, options: &scene::OptimiserOptions) -> Self {
         Self {
             preset,
+            integrator: Integrator::Euler,
+            max_step: f64::INFINITY,
             min_duration: options.min_duration,
             max_duration: options.max_duration,
             torque_limits: options.torque_limits,

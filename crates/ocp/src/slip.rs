@@ -3,7 +3,7 @@
 //! Their Hessian enters the [`Chain`] as a function of (q, v); the Jacobian by A, B and the duration is chained here.
 
 use crate::chain::{Chain, Layout};
-use crate::difference::Difference;
+use crate::difference::{Difference, End};
 use crate::program::Slip;
 use crate::relative::{Relative, RelativeFrame};
 use crate::terms::slip_velocity;
@@ -87,15 +87,15 @@ impl Slips {
                 },
             );
             let mut column = 0;
-            for (block, first) in [layout.a, layout.b].into_iter().enumerate() {
+            for (end, first) in [(End::A, layout.a), (End::B, layout.b)] {
                 if first.is_none() {
                     continue;
                 }
                 self.chained.copy_from_slice(&self.by_v);
-                difference.chain_vector(&mut self.chained, block == 1);
+                difference.recombine(&mut self.chained, end);
                 for &col in cols {
-                    let direct = if block == 0 { self.by_q[col] } else { 0.0 };
-                    jacobian[column * n + r] = direct + self.chained[col] / dt;
+                    let direct = if end == End::A { self.by_q[col] } else { 0.0 };
+                    jacobian[column * n + r] = direct + end.sign() * self.chained[col] / dt;
                     column += 1;
                 }
             }

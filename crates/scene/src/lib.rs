@@ -17,6 +17,7 @@ mod nearest;
 mod options;
 mod overlap;
 mod parse;
+mod perturb;
 mod place;
 mod robot;
 mod rules;
@@ -30,6 +31,7 @@ mod types;
 mod values;
 
 pub use error::{Fault, SceneError};
+pub use perturb::Perturbation;
 pub use sequence::{Expectation, Sequence, SequenceFile, SequenceGoal, SequencePhase};
 pub use source::Place;
 pub use types::*;

@@ -16,6 +16,8 @@ use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, MatMut, MatRef, Par, Spec};
 
 use crate::Structure;
+pub use crate::assembly::Assembly;
+use crate::assembly::{Run, runs};
 
 /// The matrix is not positive definite: the element and its failed pivot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,8 +35,8 @@ struct Symbolic {
     n_eliminated: usize,
     /// Position in the front of each variable of the element.
     of_element: Vec<usize>,
-    /// Position in the next front of each carried variable.
-    of_carried: Vec<usize>,
+    /// Positions in the next front of the carried variables.
+    of_carried: Vec<Run>,
 }
 
 /// Factorisation with its buffers; allocated once.
@@ -46,34 +48,6 @@ pub struct Fronts {
     schur: [Vec<f64>; 2],
     scratch: MemBuffer,
     local: Vec<f64>,
-}
-
-/// The front under assembly.
-pub struct Assembly<'a> {
-    panel: &'a mut [f64],
-    schur: &'a mut [f64],
-    n_front: usize,
-    n_eliminated: usize,
-    of_element: &'a [usize],
-}
-
-impl Assembly<'_> {
-    /// Adds `value` at the element's local row `i` and column `j`; symmetric, give each pair once.
-    #[inline]
-    pub fn add(&mut self, i: usize, j: usize, value: f64) {
-        let (i, j) = (self.of_element[i], self.of_element[j]);
-        self.add_front(i.max(j), i.min(j), value);
-    }
-
-    #[inline]
-    fn add_front(&mut self, i: usize, j: usize, value: f64) {
-        if j < self.n_eliminated {
-            self.panel[j * self.n_front + i] += value;
-        } else {
-            let n = self.n_front - self.n_eliminated;
-            self.schur[(j - self.n_eliminated) * n + (i - self.n_eliminated)] += value;
-        }
-    }
 }
 
 impl Fronts {
@@ -132,13 +106,7 @@ impl Fronts {
                 of_element: &symbolic.of_element,
             };
             if e > 0 {
-                let to = &self.symbolic[e - 1].of_carried;
-                for j in 0..carried {
-                    for i in j..carried {
-                        let (a, b) = (to[i], to[j]);
-                        front.add_front(a.max(b), a.min(b), now[j * carried + i]);
-                    }
-                }
+                front.add_symmetric(&self.symbolic[e - 1].of_carried, carried, now);
             }
             assemble(e, &mut front);
             let stack = MemStack::new(&mut self.scratch);
@@ -185,6 +153,11 @@ impl Fronts {
                 rhs[v] = *x;
             }
         }
+    }
+
+    /// Where an element's variables lie in its front.
+    pub(crate) fn positions(&self, element: usize) -> &[usize] {
+        &self.symbolic[element].of_element
     }
 
     /// Bytes held by the factor and its buffers.
@@ -280,15 +253,16 @@ fn analyse(structure: &Structure) -> Vec<Symbolic> {
     let mut position = vec![usize::MAX; structure.n_vars];
     let mut carried: Vec<usize> = Vec::new();
     for (e, element) in structure.elements.iter().enumerate() {
-        let mut vars = carried.clone();
-        vars.extend(element.vars.iter().filter(|v| !carried.contains(v)));
-        vars.sort_by_key(|&v| (last[v] != e, v));
+        // In the element's own order where possible, so that its matrix is added in few runs.
+        let mut vars = element.vars.clone();
+        vars.extend(carried.iter().filter(|v| !element.vars.contains(v)));
+        vars.sort_by_key(|&v| last[v] != e);
         let n_eliminated = vars.iter().filter(|&&v| last[v] == e).count();
         for (i, &v) in vars.iter().enumerate() {
             position[v] = i;
         }
         if let Some(previous) = fronts.last_mut() {
-            previous.of_carried = carried.iter().map(|&v| position[v]).collect();
+            previous.of_carried = runs(carried.iter().map(|&v| position[v]));
         }
         let of_element = element.vars.iter().map(|&v| position[v]).collect();
         carried = vars[n_eliminated..].to_vec();

@@ -9,6 +9,7 @@
 //! for equalities, s/z for inequalities. It is condensed to W + D + Jᵀ (R + δ)⁻¹ J, which is positive definite exactly
 //! when the inertia of the system is right, factorised front by front, and refined to remove δ.
 
+use crate::assembly::{Run, runs};
 use crate::front::{Fronts, NotPositiveDefinite, dot, gram};
 use crate::{BlockStructure, ElementData, Structure};
 
@@ -20,6 +21,9 @@ pub struct Kkt {
     fronts: Fronts,
     /// First row of each element in the concatenated rows.
     first_row: Vec<usize>,
+    places: Vec<Places>,
+    /// Scratch: weights of a block's rows, the block scaled by them, their product.
+    weights: Vec<f64>,
     scaled: Vec<f64>,
     product: Vec<f64>,
     var_scratch: Vec<f64>,
@@ -31,6 +35,12 @@ pub struct Kkt {
     left_y: Vec<f64>,
     local: Vec<f64>,
     local_out: Vec<f64>,
+}
+
+/// Where an element's variables and the columns of its blocks lie in its front.
+struct Places {
+    variables: Vec<Run>,
+    blocks: Vec<Vec<Run>>,
 }
 
 /// The diagonals of the Newton system.
@@ -55,15 +65,28 @@ impl Kkt {
         let blocks = || structure.elements.iter().flat_map(|e| &e.blocks);
         let widest = blocks().map(|b| b.cols.len()).max().unwrap_or(0);
         let largest = blocks().map(|b| b.cols.len() * b.n_rows).max().unwrap_or(0);
+        let highest = blocks().map(|b| b.n_rows).max().unwrap_or(0);
         let n_local = structure
             .elements
             .iter()
             .map(|e| e.vars.len())
             .max()
             .unwrap_or(0);
+        let fronts = Fronts::new(structure);
+        let elements = structure.elements.iter().enumerate();
+        let places = elements.map(|(e, element)| {
+            let positions = fronts.positions(e);
+            let of_block = |b: &BlockStructure| runs(b.cols.iter().map(|&c| positions[c]));
+            Places {
+                variables: runs(positions.iter().copied()),
+                blocks: element.blocks.iter().map(of_block).collect(),
+            }
+        });
         Self {
-            fronts: Fronts::new(structure),
+            places: places.collect(),
+            fronts,
             first_row,
+            weights: vec![0.0; highest],
             scaled: vec![0.0; largest],
             product: vec![0.0; widest * widest],
             var_scratch: vec![0.0; structure.n_vars],
@@ -105,6 +128,8 @@ impl Kkt {
         let Self {
             fronts,
             first_row,
+            places,
+            weights,
             scaled,
             product,
             var_scratch,
@@ -113,59 +138,34 @@ impl Kkt {
         // The diagonal of a variable enters with the first element that touches it.
         var_scratch.copy_from_slice(diagonals.variables);
         fronts.factorise(|e, front| {
-            let (element, data) = (&structure.elements[e], &data[e]);
+            let (element, data, places) = (&structure.elements[e], &data[e], &places[e]);
             let n = element.vars.len();
-            for j in 0..n {
-                let column = &data.hessian[j * n..(j + 1) * n];
-                for i in j..n {
-                    if column[i] != 0.0 {
-                        front.add(i, j, column[i]);
-                    }
-                }
-                let d = &mut var_scratch[element.vars[j]];
-                front.add(j, j, *d);
-                *d = 0.0;
+            front.add_symmetric(&places.variables, n, &data.hessian);
+            for (j, &v) in element.vars.iter().enumerate() {
+                front.add(j, j, var_scratch[v]);
+                var_scratch[v] = 0.0;
             }
             let rows = &diagonals.rows[first_row[e]..first_row[e + 1]];
-            for (block, jacobian) in element.blocks.iter().zip(&data.jacobians) {
+            let blocks = element.blocks.iter().zip(&data.jacobians);
+            for ((block, jacobian), places) in blocks.zip(&places.blocks) {
                 let (m, width) = (block.n_rows, block.cols.len());
-                let weight = |r: usize| 1.0 / (rows[block.first_row + r] + diagonals.delta);
-                if m * width >= DENSE_BLOCK {
-                    for (c, column) in jacobian.chunks_exact(m).enumerate() {
-                        for r in 0..m {
-                            scaled[c * m + r] = column[r] * weight(r).sqrt();
-                        }
-                    }
-                    gram(scaled, m, width, product);
-                    for j in 0..width {
-                        for i in j..width {
-                            front.add(block.cols[i], block.cols[j], product[j * width + i]);
-                        }
-                    }
-                } else {
-                    for r in 0..m {
-                        let w = weight(r);
-                        for j in 0..width {
-                            let wj = w * jacobian[j * m + r];
-                            if wj != 0.0 {
-                                for i in j..width {
-                                    front.add(
-                                        block.cols[i],
-                                        block.cols[j],
-                                        wj * jacobian[i * m + r],
-                                    );
-                                }
-                            }
-                        }
-                    }
+                if m * width == 0 {
+                    continue;
                 }
+                let rows = &rows[block.first_row..block.first_row + m];
+                for (w, d) in weights.iter_mut().zip(rows) {
+                    *w = 1.0 / (d + diagonals.delta);
+                }
+                weighted_gram(jacobian, width, &mut weights[..m], scaled, product);
+                front.add_symmetric(places, width, product);
             }
         })
     }
 
     /// Solves the Newton system for (dx, dy) given the residuals, with `refinements` rounds that remove δ.
     ///
-    /// Returns the largest residual left in the rows.
+    /// But for rounding, one regularised solve leaves δ dy in the rows and nothing else. Every other round trusts that and
+    /// saves the product with the matrix; the others take the rounding errors off too.
     #[allow(clippy::too_many_arguments)] // the pieces of one linear system; a struct would only rename them
     pub fn solve(
         &mut self,
@@ -177,12 +177,22 @@ impl Kkt {
         refinements: usize,
         dx: &mut [f64],
         dy: &mut [f64],
-    ) -> f64 {
+    ) {
         dx.fill(0.0);
         dy.fill(0.0);
         self.left_x.copy_from_slice(residual_x);
         self.left_y.copy_from_slice(residual_y);
         for round in 0..=refinements {
+            if round % 2 == 1 {
+                self.left_x.fill(0.0);
+                for (left, y) in self.left_y.iter_mut().zip(&self.dy_correction) {
+                    *left = diagonals.delta * y;
+                }
+            } else if round > 0 {
+                self.left_x.copy_from_slice(residual_x);
+                self.left_y.copy_from_slice(residual_y);
+                self.add_product(structure, data, diagonals, dx, dy);
+            }
             self.solve_regularised(structure, data, diagonals);
             for (a, b) in dx.iter_mut().zip(&self.dx_correction) {
                 *a += b;
@@ -190,14 +200,7 @@ impl Kkt {
             for (a, b) in dy.iter_mut().zip(&self.dy_correction) {
                 *a += b;
             }
-            if round == refinements {
-                break;
-            }
-            self.left_x.copy_from_slice(residual_x);
-            self.left_y.copy_from_slice(residual_y);
-            self.add_product(structure, data, diagonals, dx, dy);
         }
-        self.left_y.iter().fold(0.0, |m: f64, v| m.max(v.abs()))
     }
 
     /// One solve of what is left with the factorised, regularised system into the correction buffers.
@@ -265,6 +268,40 @@ impl Kkt {
         jacobian_multiply(structure, data, &self.first_row, dx, out_y);
         for ((o, d), y) in out_y.iter_mut().zip(diagonals.rows).zip(dy) {
             *o -= d * y;
+        }
+    }
+}
+
+/// Lower triangle of Jᵀ diag(weights) J into `out`, column-major `n × n`, for `jacobian` column-major `m × n`. The
+/// weights are used up.
+fn weighted_gram(
+    jacobian: &[f64],
+    n: usize,
+    weights: &mut [f64],
+    scaled: &mut [f64],
+    out: &mut [f64],
+) {
+    let m = weights.len();
+    if m * n >= DENSE_BLOCK {
+        weights.iter_mut().for_each(|w| *w = w.sqrt());
+        for (to, from) in scaled.chunks_exact_mut(m).zip(jacobian.chunks_exact(m)) {
+            for ((to, from), w) in to.iter_mut().zip(from).zip(&*weights) {
+                *to = from * w;
+            }
+        }
+        gram(scaled, m, n, out);
+        return;
+    }
+    let row = &mut scaled[..n];
+    for r in 0..m {
+        for (x, column) in row.iter_mut().zip(jacobian.chunks_exact(m)) {
+            *x = column[r];
+        }
+        for j in 0..n {
+            let wj = weights[r] * row[j];
+            for (o, x) in out[j * n + j..(j + 1) * n].iter_mut().zip(&row[j..]) {
+                *o = if r == 0 { wj * x } else { *o + wj * x };
+            }
         }
     }
 }

@@ -13,6 +13,7 @@
 //! nonlinear interior methods" (2009); Duff and Reid, "The multifrontal solution of indefinite sparse symmetric
 //! linear systems" (1983).
 
+mod assembly;
 mod barrier;
 mod filter;
 pub mod front;

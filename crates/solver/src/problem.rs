@@ -64,8 +64,6 @@ impl ElementData {
     pub fn new(structure: &ElementStructure) -> Self {
         let n = structure.vars.len();
         Self {
-            objective: f64::NAN,
-            values: vec![f64::NAN; structure.n_rows()],
             gradient: vec![f64::NAN; n],
             jacobians: structure
                 .blocks
@@ -73,6 +71,18 @@ impl ElementData {
                 .map(|b| vec![f64::NAN; b.n_rows * b.cols.len()])
                 .collect(),
             hessian: vec![f64::NAN; n * n],
+            ..Self::of_values(structure)
+        }
+    }
+
+    /// Buffers for objective and row values alone, as [`Problem::evaluate`] needs.
+    pub fn of_values(structure: &ElementStructure) -> Self {
+        Self {
+            objective: f64::NAN,
+            values: vec![f64::NAN; structure.n_rows()],
+            gradient: vec![],
+            jacobians: vec![],
+            hessian: vec![],
         }
     }
 }
@@ -94,7 +104,7 @@ pub trait Problem {
     /// Current values of the variables that have bounds (others are ignored).
     fn coordinates(&self, x: &Self::Point, out: &mut [f64]);
 
-    /// Writes `objective` and `values` of every element.
+    /// Writes `objective` and `values` of every element; for derivatives there may be no room.
     fn evaluate(&mut self, x: &Self::Point, out: &mut [ElementData]);
 
     /// Writes everything of every element; `multipliers` has one slice of row multipliers per element, in order of

@@ -4,16 +4,20 @@
 //! to (q, v, v⁺, dt), where a = (v⁺ − v)/dt is rational, then to (A, B, C, T, T⁺), where the differences of floating
 //! bodies have curvature of their own ([`Difference::curvature`]).
 //!
-//! Legend: `qq, qv, vv, qa` blocks of the Hessian of wᵀ ID(q, v, a) (∂²/∂v∂a and ∂²/∂a² vanish), `da` the diagonal
-//! Hessian of the acceleration cost, `gv`, `ga` gradients of the Lagrangian by v and a.
+//! Legend: `qq, qv, vv, qa` blocks of the Hessian of wᵀ ID(q, v, a) (∂²/∂v∂a and ∂²/∂a² vanish), `dv`, `da` the diagonal
+//! Hessians of the velocity and acceleration costs, `gv`, `ga` gradients of the Lagrangian by v and a.
 
+mod durations;
 mod hessian;
+mod link;
+mod states;
 mod vectors;
 
-use crate::difference::Difference;
+use crate::difference::{Difference, End};
 use crate::program::Interval;
 use multibody::RneaHessian;
 use nalgebra::DMatrix;
+pub use states::StateLayout;
 use vectors::Vectors;
 
 /// Velocity, next velocity, acceleration and step lengths of an interval.
@@ -68,23 +72,19 @@ pub struct Chain {
     pub motion: Motion,
     /// ∂F/∂q of the generalised forces, wrenches included.
     pub by_q: DMatrix<f64>,
-    by_v: DMatrix<f64>,
-    mass: DMatrix<f64>,
     /// Hessian block by q and q, wrenches included.
     pub qq: DMatrix<f64>,
     /// Hessian block by q and v.
     pub qv: DMatrix<f64>,
-    vv: DMatrix<f64>,
-    qa: DMatrix<f64>,
     /// Gradient of the Lagrangian by v.
     pub by_v_gradient: Vec<f64>,
     by_a_gradient: Vec<f64>,
     cost_v: Vec<f64>,
     cost_a: Vec<f64>,
+    dv: Vec<f64>,
     da: Vec<f64>,
-    work: [DMatrix<f64>; 3],
+    work: [DMatrix<f64>; 4],
     vectors: Vectors,
-    dynamics: bool,
 }
 
 impl Chain {
@@ -104,143 +104,137 @@ impl Chain {
         Self {
             motion,
             by_q: m(),
-            by_v: m(),
-            mass: m(),
             qq: m(),
             qv: m(),
-            vv: m(),
-            qa: m(),
             by_v_gradient: v(),
             by_a_gradient: v(),
             cost_v: v(),
             cost_a: v(),
+            dv: v(),
             da: v(),
-            work: [m(), m(), m()],
+            work: [m(), m(), m(), m()],
             vectors: Vectors::new(nv),
-            dynamics: false,
         }
     }
 
-    /// Takes the first and second derivatives of the inverse dynamics.
+    /// Takes those derivatives of the inverse dynamics to which others add.
     pub fn start(&mut self, dynamics: &RneaHessian) {
-        self.dynamics = true;
         self.by_q.copy_from(dynamics.dtau_dq());
-        self.by_v.copy_from(dynamics.dtau_dv());
-        self.mass.copy_from(dynamics.dtau_da());
         self.qq.copy_from(dynamics.hessian_qq());
         self.qv.copy_from(dynamics.hessian_qv());
-        self.vv.copy_from(dynamics.hessian_vv());
-        self.qa.copy_from(dynamics.hessian_qa());
+        self.by_v_gradient.copy_from_slice(dynamics.gradient_v());
+        self.by_a_gradient.copy_from_slice(dynamics.gradient_a());
     }
 
     /// No equations of motion: only costs of v.
     pub fn start_empty(&mut self) {
-        self.dynamics = false;
-        for m in [&mut self.qq, &mut self.qv, &mut self.vv, &mut self.qa] {
-            m.fill(0.0);
-        }
         self.by_v_gradient.fill(0.0);
         self.by_a_gradient.fill(0.0);
-    }
-
-    /// Gradients of wᵀF by v and a.
-    pub fn gradients_from_weights(&mut self, w: &[f64]) {
-        let dot =
-            |column: nalgebra::DVectorView<f64>| column.iter().zip(w).map(|(x, w)| x * w).sum();
-        for i in 0..w.len() {
-            self.by_v_gradient[i] = dot(self.by_v.column(i));
-            self.by_a_gradient[i] = dot(self.mass.column(i));
-        }
     }
 
     /// Writes the columns A, B, C, T, T⁺ of the rows F/scale into a column-major Jacobian with `nv` rows.
     pub fn rows(
         &mut self,
+        dynamics: &RneaHessian,
         here: Option<&Difference>,
         next: Option<&Difference>,
         layout: &Layout,
         scale: &[f64],
-        work: &mut DMatrix<f64>,
         jacobian: &mut [f64],
     ) {
+        let nv = scale.len();
+        let Motion { dt, dt_next, .. } = self.motion;
+        // F by A ⊖ B and by C ⊖ B, up to the blocks of floating bodies: (Fv − M/dt)/dt and M/(dt dt⁺).
+        let [by_here, by_next, to_a, to_b] = &mut self.work;
+        by_here.copy_from(dynamics.dtau_dv());
+        by_here.zip_apply(dynamics.dtau_da(), |x, m| *x = (*x - m / dt) / dt);
+        by_next.copy_from(dynamics.dtau_da());
+        *by_next /= dt * dt_next;
+        let inverse_scale = &mut self.vectors.inverse_scale;
+        for (inverse, scale) in inverse_scale.iter_mut().zip(scale) {
+            *inverse = 1.0 / scale;
+        }
+        let mut write = |first: usize, m: &DMatrix<f64>| {
+            let out = jacobian[first * nv..(first + nv) * nv].chunks_exact_mut(nv);
+            for (out, column) in out.zip(m.as_slice().chunks_exact(nv)) {
+                for ((o, x), s) in out.iter_mut().zip(column).zip(&*inverse_scale) {
+                    *o = x * s;
+                }
+            }
+        };
+        if let Some(first) = layout.a {
+            to_a.copy_from(&self.by_q);
+            if let Some(difference) = here {
+                to_b.copy_from(by_here);
+                difference.recombine_columns(to_b, End::A);
+                *to_a -= &*to_b;
+            }
+            write(first, to_a);
+        }
+        if let Some(first) = layout.b {
+            to_b.fill(0.0);
+            if let Some(difference) = here {
+                to_b.copy_from(by_here);
+                difference.recombine_columns(to_b, End::B);
+            }
+            if let Some(difference) = next {
+                to_a.copy_from(by_next);
+                difference.recombine_columns(to_a, End::A);
+                *to_b -= &*to_a;
+            }
+            write(first, to_b);
+        }
+        if let (Some(first), Some(difference)) = (layout.c, next) {
+            to_a.copy_from(by_next);
+            difference.recombine_columns(to_a, End::B);
+            write(first, to_a);
+        }
+        self.duration_columns(layout, jacobian);
+    }
+
+    /// The columns T and T⁺ of [`Chain::rows`].
+    fn duration_columns(&self, layout: &Layout, jacobian: &mut [f64]) {
+        let Some(time) = layout.time else { return };
         let Motion {
             v,
             v_next,
             a,
-            dt,
             dt_next,
             steps,
             steps_next,
+            ..
         } = &self.motion;
-        let nv = v.len();
-        let mut write = |first: usize, m: &DMatrix<f64>| {
-            for (c, column) in m.column_iter().enumerate() {
-                let out = &mut jacobian[(first + c) * nv..(first + c + 1) * nv];
-                for ((o, x), s) in out.iter_mut().zip(column.iter()).zip(scale) {
-                    *o = x / s;
-                }
-            }
-        };
-        // by v at fixed v⁺: Fv − M/dt
-        let [by_velocity, chained, _] = &mut self.work;
-        by_velocity.copy_from(&self.by_v);
-        by_velocity.zip_apply(&self.mass, |x, m| *x -= m / dt);
-        if let Some(first) = layout.a {
-            work.copy_from(&self.by_q);
-            if let Some(difference) = here {
-                chained.copy_from(by_velocity);
-                difference.chain_columns(chained, false);
-                work.zip_apply(chained, |x, y| *x += y / dt);
-            }
-            write(first, work);
-        }
-        if let Some(first) = layout.b {
-            work.fill(0.0);
-            if let Some(difference) = here {
-                chained.copy_from(by_velocity);
-                difference.chain_columns(chained, true);
-                work.zip_apply(chained, |x, y| *x += y / dt);
-            }
-            if let Some(difference) = next {
-                chained.copy_from(&self.mass);
-                difference.chain_columns(chained, false);
-                work.zip_apply(chained, |x, y| *x += y / (dt * dt_next));
-            }
-            write(first, work);
-        }
-        if let (Some(first), Some(difference)) = (layout.c, next) {
-            work.copy_from(&self.mass);
-            difference.chain_columns(work, true);
-            *work /= dt * dt_next;
-            write(first, work);
-        }
-        let Some(time) = layout.time else { return };
+        let (nv, scale) = (v.len(), &self.vectors.inverse_scale);
         for column in [Some(time), layout.time_next].into_iter().flatten() {
             jacobian[column * nv..(column + 1) * nv].fill(0.0);
         }
-        for i in 0..nv {
-            let (mut by_dt, mut by_dt_next) = (0.0, 0.0);
-            for k in 0..nv {
-                by_dt -= by_velocity[(i, k)] * v[k] + self.mass[(i, k)] * a[k];
-                by_dt_next -= self.mass[(i, k)] * v_next[k];
+        let mut subtract = |column: usize, m: &DMatrix<f64>, x: &[f64], s: f64| {
+            let out = &mut jacobian[column * nv..(column + 1) * nv];
+            for (column, x) in m.as_slice().chunks_exact(nv).zip(x) {
+                let factor = s * x;
+                for ((o, m), scale) in out.iter_mut().zip(column).zip(scale) {
+                    *o -= factor * m * scale;
+                }
             }
-            jacobian[time * nv + i] += by_dt / (dt * steps * scale[i]);
-            if let Some(time_next) = layout.time_next {
-                jacobian[time_next * nv + i] += by_dt_next / (dt * dt_next * steps_next * scale[i]);
-            }
+        };
+        let [by_here, by_next, ..] = &self.work;
+        subtract(time, by_here, v, 1.0 / steps);
+        subtract(time, by_next, a, dt_next / steps);
+        if let Some(time_next) = layout.time_next {
+            subtract(time_next, by_next, v_next, 1.0 / steps_next);
         }
     }
 
-    /// Adds the quadratic costs of v and (with dynamics) a.
-    pub fn add_costs(&mut self, weights: &[(f64, f64)], dynamics: bool) {
+    /// Adds the quadratic costs of v and (with dynamics) a, their weights times `share`.
+    pub fn add_costs(&mut self, weights: &[(f64, f64)], share: f64, dynamics: bool) {
         for (i, &(wv, wa)) in weights.iter().enumerate() {
-            let wa = if dynamics { wa } else { 0.0 };
+            let (wv, wa) = (share * wv, if dynamics { share * wa } else { 0.0 });
             self.cost_v[i] = wv * self.motion.v[i];
             self.cost_a[i] = wa * self.motion.a[i];
+            self.dv[i] = wv;
             self.da[i] = wa;
             self.by_v_gradient[i] += self.cost_v[i];
             self.by_a_gradient[i] += self.cost_a[i];
-            self.vv[(i, i)] += wv;
         }
     }
 }

@@ -9,6 +9,10 @@ pub(super) struct Vectors {
     /// Gradients of the costs by v and v⁺.
     pub cv: Vec<f64>,
     pub cp: Vec<f64>,
+    /// Diagonal of the Hessian by v and v, v and v⁺, v⁺ and v⁺.
+    pub vv: Vec<f64>,
+    pub vp: Vec<f64>,
+    pub pp: Vec<f64>,
     /// ∂v/∂dt and ∂v⁺/∂dt⁺.
     pub vd: Vec<f64>,
     pub pd: Vec<f64>,
@@ -22,6 +26,8 @@ pub(super) struct Vectors {
     pub p_next: Vec<f64>,
     /// What is chained to a node.
     pub chained: Vec<f64>,
+    /// Per row of the equations of motion.
+    pub inverse_scale: Vec<f64>,
 }
 
 impl Vectors {
@@ -33,6 +39,9 @@ impl Vectors {
             gp: v(),
             cv: v(),
             cp: v(),
+            vv: v(),
+            vp: v(),
+            pp: v(),
             vd: v(),
             pd: v(),
             q_dt: v(),
@@ -42,6 +51,7 @@ impl Vectors {
             v_next: v(),
             p_next: v(),
             chained: v(),
+            inverse_scale: v(),
         }
     }
 }

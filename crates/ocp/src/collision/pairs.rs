@@ -14,14 +14,18 @@ use spatial::Pose;
 
 /// A pair of bodies nearer than this in the guide configurations gets a row [m].
 pub(super) const NEAR: f64 = 0.15;
-/// Nodes before and after a node whose guide configurations count for it: phases shift while they are optimised.
-const WINDOW: usize = 2;
+/// Sixteenths of a phase before and after a node of a motion whose guide configurations count for it: phases shift while
+/// they are optimised.
+const WINDOW: f64 = 2.0;
+/// Configurations looked at on either side.
+const WINDOW_SAMPLES: usize = 2;
 /// What the smooth least distance may fall short of the true one where a keyframe must not be rejected [m].
 pub(super) const BLUR: f64 = 1.4 * EVENNESS;
-/// Clearance demanded one node away from a contact of the same bodies [m], and its growth per node.
-const RAMP: (f64, f64) = (-0.008, 0.008);
-/// Nodes of a motion to which one of a path corresponds, for the growth of clearances.
-const PATH_STRIDE: usize = 3;
+/// Clearance demanded at a contact of the same bodies, beside what its row says there, and its growth per sixteenth of a
+/// phase away from it [m].
+const RAMP: (f64, f64) = (-0.002, 0.008);
+/// The most that is demanded at a contact [m].
+const MOST_AT_CONTACT: f64 = -0.008;
 /// Slope of the sigmoid penalties of the paper preset [1/m] (the yardstick's).
 const SIGMOID_SLOPE: f64 = 40.0;
 
@@ -38,19 +42,31 @@ pub struct Pair {
     pub term: Arc<dyn PoseTerm>,
 }
 
+/// The nearest contact of a pair in time.
+#[derive(Debug, Clone, Copy)]
+struct Since {
+    /// Sixteenths of a phase between it and the node.
+    parts: f64,
+    /// Node of the contact.
+    node: usize,
+}
+
 /// Guide configurations that count for a node, and how long ago pairs touched.
 struct At<'a> {
     node: usize,
-    window: &'a [Kinematics],
-    since: &'a dyn Fn(usize, Other) -> Option<usize>,
+    kinematics: &'a [Kinematics],
+    window: &'a [&'a Kinematics],
+    since: &'a dyn Fn(usize, Other) -> Option<Since>,
+}
+
+impl At<'_> {
+    /// True if the pair touches at the node.
+    fn touches(&self, a: usize, other: Other) -> bool {
+        (self.since)(a, other).is_some_and(|since| since.node == self.node)
+    }
 }
 
 impl CollisionModel {
-    /// Clearance demanded of a pair that touches `d` nodes away (`None`: never).
-    fn ramp(full: f64, d: Option<usize>) -> f64 {
-        d.map_or(full, |d| full.min(RAMP.0 + RAMP.1 * d as f64))
-    }
-
     /// All pairs that get rows.
     pub fn pairs(
         &self,
@@ -89,25 +105,45 @@ impl CollisionModel {
         let touching: Vec<_> = (0..=n)
             .map(|t| Self::touching(scene, program, phases, t))
             .collect();
-        let width = match program.grid {
-            Grid::Motion => WINDOW,
-            Grid::Path => 1,
-            Grid::Keyframes | Grid::OpenKeyframes | Grid::State => 0,
+        let along = program.along();
+        let window = |t: usize| -> Vec<&Kinematics> {
+            let width = match program.grid {
+                Grid::Motion => {
+                    let here = along[t.min(n - 1) + 1] - along[t.min(n - 1)];
+                    (WINDOW / here).round().max(1.0) as usize
+                }
+                Grid::Path => 1,
+                Grid::Keyframes | Grid::OpenKeyframes | Grid::State => 0,
+            };
+            let samples = WINDOW_SAMPLES.min(width);
+            let mut nodes: Vec<usize> = (1..=samples)
+                .map(|i| i * width / samples)
+                .flat_map(|d| [t.saturating_sub(d), (t + d).min(n)])
+                .chain([t])
+                .collect();
+            nodes.sort_unstable();
+            nodes.dedup();
+            nodes.into_iter().map(|i| &kinematics[i]).collect()
         };
         let mut out = Vec::new();
         for t in 0..=n {
             if program.nodes[t].var.is_none() || program.master_node(t) != t {
                 continue;
             }
-            let since = |a: usize, other: Other| -> Option<usize> {
+            let since = |a: usize, other: Other| -> Option<Since> {
                 (0..=n)
                     .filter(|&i| touching[i].contains(&(a, other)))
-                    .map(|i| i.abs_diff(t))
-                    .min()
+                    .map(|node| Since {
+                        parts: f64::abs(along[node] - along[t]),
+                        node,
+                    })
+                    .min_by(|x, y| x.parts.total_cmp(&y.parts))
             };
+            let window = window(t);
             let at = At {
                 node: t,
-                window: &kinematics[t.saturating_sub(width)..=(t + width).min(n)],
+                kinematics: &kinematics,
+                window: &window,
                 since: &since,
             };
             self.obstacle_pairs(program, &at, extra, &mut out);
@@ -137,8 +173,7 @@ impl CollisionModel {
                 let Some(other) = primitive.joint.map(Ok).or(primitive.body.map(Err)) else {
                     continue;
                 };
-                let since = (at.since)(a, other);
-                if since == Some(0) {
+                if at.touches(a, other) {
                     continue;
                 }
                 let balls = if paper {
@@ -160,9 +195,7 @@ impl CollisionModel {
                     })
                 } else {
                     let more = extra.get(&(at.node, a, other)).copied().unwrap_or(0.0);
-                    let neighbours = self.neighbours[a].iter();
-                    let beside = neighbours.filter_map(|&j| (at.since)(j, other)).min();
-                    let clearance = self.clearance(program, a, primitive, since, beside) + more;
+                    let clearance = self.clearance(program, a, primitive, other, at) + more;
                     Arc::new(Distance::new(balls, obstacle, obstacle_from_b, clearance))
                 };
                 out.push(Pair {
@@ -175,40 +208,63 @@ impl CollisionModel {
         }
     }
 
-    /// Clearance demanded of a body and a primitive that touched `since` nodes away, the body's neighbours in the limb
-    /// `beside` nodes away: a wrist is as near to a box as the hand that holds it makes it.
+    /// Clearance demanded of a body and a primitive: growing with the distance in time from where they touch, or where the
+    /// body's neighbours in the limb do. A wrist is as near to a box as the hand that holds it makes it.
     fn clearance(
         &self,
         program: &Program,
         a: usize,
         primitive: &Primitive,
-        since: Option<usize>,
-        beside: Option<usize>,
+        other: Other,
+        at: &At<'_>,
     ) -> f64 {
+        if matches!(
+            program.grid,
+            Grid::Keyframes | Grid::OpenKeyframes | Grid::State
+        ) {
+            return -BLUR;
+        }
         let margins = &program.settings.margins;
         let full = if self.feet[a] && primitive.joint.is_none() {
             margins.swing
         } else {
             margins.clearance
         };
-        let stride = if program.grid == Grid::Path {
-            PATH_STRIDE
-        } else {
-            1
-        };
-        // Neighbours are one node later on the ramp: no clearance, but no overlap either.
-        let nodes = match (since.map(|d| d * stride), beside.map(|d| d * stride + 1)) {
-            (Some(own), Some(other)) => Some(own.min(other)),
-            (own, other) => own.or(other),
-        };
-        match program.grid {
-            Grid::Keyframes | Grid::OpenKeyframes | Grid::State => -BLUR,
-            Grid::Path | Grid::Motion => Self::ramp(full, nodes),
-        }
+        let own = (at.since)(a, other);
+        let neighbours = self.neighbours[a].iter();
+        // Neighbours are one part later on the ramp: no clearance, but no overlap either.
+        let beside = neighbours
+            .filter_map(|&j| (at.since)(j, other))
+            .map(|since| Since {
+                parts: since.parts + 1.0,
+                ..since
+            });
+        let nearest = own
+            .into_iter()
+            .chain(beside)
+            .min_by(|x, y| x.parts.total_cmp(&y.parts));
+        nearest.map_or(full, |since| {
+            let there = self.distance_at(a, primitive, &at.kinematics[since.node]);
+            let start = (there + RAMP.0).min(MOST_AT_CONTACT);
+            full.min(start + RAMP.1 * since.parts)
+        })
+    }
+
+    /// What the row of a body and a primitive says in a configuration [m].
+    fn distance_at(&self, a: usize, primitive: &Primitive, kinematics: &Kinematics) -> f64 {
+        let row = Distance::new(
+            self.balls[a].clone(),
+            primitive.obstacle.clone(),
+            Pose::identity(),
+            0.0,
+        );
+        let mut value = [0.0];
+        row.values(&primitive.pose_of_joint(kinematics, a), &mut value);
+        value[0]
     }
 
     /// Balls of a body that come near a primitive in any of the configurations.
-    fn balls_near(&self, a: usize, primitive: &Primitive, window: &[Kinematics]) -> Vec<Ball> {
+    fn balls_near(&self, a: usize, primitive: &Primitive, window: &[&Kinematics]) -> Vec<Ball> {
         let (centre, radius) = self.bounds[a];
         let poses: Vec<Pose> = window
             .iter()
@@ -230,8 +286,7 @@ impl CollisionModel {
                 continue;
             }
             for b in 0..self.parts.len() {
-                let near =
-                    a == b || self.neighbours[a].contains(&b) || (at.since)(a, Ok(b)) == Some(0);
+                let near = a == b || self.neighbours[a].contains(&b) || at.touches(a, Ok(b));
                 if near {
                     continue;
                 }
@@ -288,7 +343,7 @@ impl CollisionModel {
     }
 
     /// Balls of one link and parts of another that come near one another in any of the configurations.
-    fn balls_near_link(&self, pair: &SelfPair, window: &[Kinematics]) -> (Vec<Ball>, Vec<Part>) {
+    fn balls_near_link(&self, pair: &SelfPair, window: &[&Kinematics]) -> (Vec<Ball>, Vec<Part>) {
         let poses: Vec<Pose> = window
             .iter()
             .map(|k| k.world_from_joint[pair.b].inverse() * k.world_from_joint[pair.a])

@@ -13,8 +13,8 @@ use crate::terms::{
 use solver::BlockStructure;
 use symbolic::Contact;
 
-/// True if `contact` binds the geometry of interval `t`: it is active there, or was released at node t
-/// (formulation 2.19: at rest at the release too).
+/// True if `contact` binds the geometry of interval `t`: it is active there, or, with explicit Euler, was released at node t
+/// (formulation 2.19: at rest at the release too; the other integrators imply that).
 fn binds(phases: &[Phase], program: &Program, contact: Contact, t: usize) -> bool {
     let active = |t: usize| {
         phases[program.phase_of(t)]
@@ -22,7 +22,8 @@ fn binds(phases: &[Phase], program: &Program, contact: Contact, t: usize) -> boo
             .contacts
             .contains(&contact)
     };
-    active(t) || (program.grid == Grid::Motion && t > 0 && active(t - 1))
+    let released = program.grid == Grid::Motion && !program.has_velocities();
+    active(t) || (released && t > 0 && active(t - 1))
 }
 
 impl Builder<'_> {
@@ -74,10 +75,14 @@ impl Builder<'_> {
             }
             let by_velocity = !keyframes && self.program.settings.preset == Preset::Paper;
             let p = &mut self.program;
+            if p.has_velocities() && here && !before && p.nodes[t].velocity_var.is_some() {
+                self.touch_rows(t, contact, frame);
+            }
+            let p = &mut self.program;
             if p.grid == Grid::State {
                 continue;
             }
-            if here && p.nodes[t + 1].var.is_some() && (keyframes || p.intervals[t].v) {
+            if here && p.nodes[t + 1].var.is_some() && p.intervals[t].moves {
                 if by_velocity {
                     self.slip_rows(t, contact, frame);
                     continue;
@@ -137,6 +142,25 @@ impl Builder<'_> {
         });
     }
 
+    /// Distances in x and y to the edges of the support where a contact of the start is now [m]; infinite for others.
+    fn room_at_start(
+        &self,
+        contact: Contact,
+        frame: usize,
+        half_a: [f64; 2],
+        half_b: [f64; 2],
+    ) -> [f64; 2] {
+        if !self.scene.start_contacts.contains(&contact) {
+            return [f64::INFINITY; 2];
+        }
+        let frame = &self.program.frames[frame];
+        let mut relative = frame.relative();
+        frame.update(&self.start, &mut relative);
+        let mut room = [0.0; 4];
+        Bounds { half_a, half_b }.values(&relative.b_from_a, &mut room);
+        std::array::from_fn(|i| room[2 * i].min(room[2 * i + 1]) - 1e-6)
+    }
+
     /// Height, alignment or half space, and bounds of one contact at a node.
     fn contact_rows(&mut self, element: usize, node: usize, contact: Contact, frame: usize) {
         let (a, b) = (
@@ -156,7 +180,10 @@ impl Builder<'_> {
             } else {
                 a.half_size.unwrap_or([0.0; 2])
             };
-            let margin = |i: usize| margin.min(0.5 * (half_b[i] - half_a[i]).max(0.0));
+            // What stands nearer to the edge at the start may stay there.
+            let room = self.room_at_start(contact, frame, half_a, half_b);
+            let margin =
+                |i: usize| (margin.min(0.5 * (half_b[i] - half_a[i]).max(0.0))).min(room[i]);
             terms.push(Arc::new(Bounds {
                 half_a,
                 half_b: [half_b[0] - margin(0), half_b[1] - margin(1)],

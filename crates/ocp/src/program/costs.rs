@@ -43,12 +43,17 @@ impl Builder<'_> {
             }
             let ends = !matches!(p.grid, Grid::OpenKeyframes | Grid::State);
             let is_last = ends && last == Some(t);
-            p.nodes[t].posture = if is_last { w.final_posture } else { w.posture };
+            let share = p.share[p.intervals[t.min(p.intervals.len() - 1)].phase];
+            p.nodes[t].posture = if is_last {
+                w.final_posture
+            } else {
+                w.posture * share
+            };
             let slot = p.nodes[t].slot(0);
             p.nodes[t].costs.push(NodeCost {
                 slot,
                 term: Arc::new(Tilt),
-                weights: vec![w.tilt],
+                weights: vec![w.tilt * share],
             });
             if is_last && self.scene.objective == scene::Objective::BaseHeight {
                 p.nodes[t].costs.push(NodeCost {

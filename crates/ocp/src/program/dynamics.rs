@@ -49,7 +49,7 @@ impl Builder<'_> {
     /// One row and block per actuated joint.
     pub(super) fn velocity_limits(&mut self, t: usize) {
         let p = &mut self.program;
-        if !p.intervals[t].dynamics || !p.intervals[t].v {
+        if !p.intervals[t].dynamics || !p.intervals[t].v || p.has_velocities() {
             return;
         }
         let share = p.settings.margins.velocity;

@@ -119,10 +119,12 @@ impl Builder<'_> {
                 interval.wrench_var = p.structure.n_vars;
             }
             p.structure.n_vars += n;
+            let most = self.ramp(t, contact, phases);
+            let p = &mut self.program;
             for i in 0..n {
                 let normal = i == 2 && contact.kind == ContactType::UnilateralPatch;
-                let limit = if max_force.is_finite() && i < 3 {
-                    max_force / force
+                let limit = if i < 3 && max_force.min(most).is_finite() {
+                    max_force.min(most) / force
                 } else {
                     f64::INFINITY
                 };
@@ -137,6 +139,7 @@ impl Builder<'_> {
                     f64::INFINITY
                 });
             }
+            let interval = &mut p.intervals[t];
             let slot = p.nodes[t].slot(frame);
             let element = &mut p.structure.elements[t];
             let mut rows = Vec::new();
@@ -180,6 +183,37 @@ impl Builder<'_> {
                 on_robot,
                 rows,
             });
+        }
+    }
+
+    /// Largest force of a contact that bears the robot or an object near the phases where it comes or goes [N].
+    fn ramp(&self, t: usize, contact: Contact, phases: &[Phase]) -> f64 {
+        let p = &self.program;
+        let (a, b) = (
+            self.scene.interfaces[contact.a.0].owner,
+            self.scene.interfaces[contact.b.0].owner,
+        );
+        let g = self.scene.gravity.norm();
+        let bears = match (a, b) {
+            (Owner::Robot { .. }, Owner::Static(_)) => p.system.robot_mass * g,
+            (Owner::Object(o), Owner::Static(_)) => self.scene.objects[o].mass * g,
+            _ => return f64::INFINITY,
+        };
+        let along = p.along();
+        let here = 0.5 * (along[t] + along[t + 1]);
+        let n = p.n_intervals();
+        let active = |t: usize| phases[p.phase_of(t)].state.contains(&contact);
+        let came = (1..=t).rev().find(|&i| !active(i - 1));
+        let goes = (t + 1..n).find(|&i| !active(i));
+        let apart = came
+            .into_iter()
+            .chain(goes)
+            .map(|i| (along[i] - here).abs())
+            .fold(f64::INFINITY, f64::min);
+        if apart < p.settings.margins.ramp {
+            bears * apart / p.settings.margins.ramp
+        } else {
+            f64::INFINITY
         }
     }
 

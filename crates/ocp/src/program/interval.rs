@@ -33,6 +33,28 @@ pub struct Slip {
     pub block: usize,
 }
 
+/// q⁺ ⊖ q = dt (β v + γ v⁺): one block per joint, six rows for a floating body.
+#[derive(Debug, Clone, Copy)]
+pub struct IntegratorRows {
+    /// First row within the element.
+    pub first_row: usize,
+    /// First block within the element.
+    pub first_block: usize,
+}
+
+/// Rest of a new contact at the node where it comes into being.
+#[derive(Debug, Clone)]
+pub struct Touch {
+    /// Position in the frames of node t.
+    pub slot: usize,
+    /// 6 for patches, 3 for points.
+    pub n_rows: usize,
+    /// First row within the element.
+    pub first_row: usize,
+    /// Block within the element: increments of node t, then its velocities.
+    pub block: usize,
+}
+
 /// How a contact acts on the robot's momentum.
 #[derive(Debug, Clone, Copy)]
 pub struct OnRobot {
@@ -95,6 +117,14 @@ pub struct Interval {
     pub b: Option<usize>,
     /// Local offset of node t+2, where it counts.
     pub c: Option<usize>,
+    /// Local offset of v_t, where it is an unknown of its own.
+    pub velocity: Option<usize>,
+    /// Local offset of v_{t+1}, where it is an unknown of its own.
+    pub velocity_next: Option<usize>,
+    /// Wrench variables of this interval (local) and of the next one (local) whose differences cost.
+    pub changes: Vec<(usize, usize)>,
+    /// Can nodes t and t+1 differ.
+    pub moves: bool,
     /// Is v_t free (not rest).
     pub v: bool,
     /// Is v_{t+1} free.
@@ -109,6 +139,10 @@ pub struct Interval {
     pub velocity_rows: Option<usize>,
     /// First block of the velocity limits.
     pub velocity_block: usize,
+    /// First row and block of the integrator, where velocities are unknowns.
+    pub integrator: Option<IntegratorRows>,
+    /// Contacts that come into being at node t and are at rest there.
+    pub touches: Vec<Touch>,
     /// Contacts that stick by displacement.
     pub sticks: Vec<Stick>,
     /// Contacts that stick by velocity.

@@ -1,6 +1,6 @@
 //! Durations, the variables of every element and the columns of every block.
 
-use super::{Builder, Grid};
+use super::{Builder, Grid, Interval};
 
 impl Builder<'_> {
     /// Lists the variables of every element and the columns of every block, now that all terms are known.
@@ -8,13 +8,14 @@ impl Builder<'_> {
     pub(super) fn layout(&mut self) {
         let p = &mut self.program;
         let (n, nv) = (p.intervals.len(), p.system.model.nv);
-        let motion = p.grid == Grid::Motion;
+        let (motion, states) = (p.grid == Grid::Motion, p.has_velocities());
         p.duration_var = p.structure.n_vars;
         if motion {
-            for _ in &p.steps {
+            for &steps in &p.steps {
+                let longest = steps as f64 * p.settings.max_step;
                 p.structure.n_vars += 1;
-                p.structure.lower.push(p.settings.min_duration);
-                p.structure.upper.push(p.settings.max_duration);
+                p.structure.lower.push(p.settings.min_duration.min(longest));
+                p.structure.upper.push(p.settings.max_duration.min(longest));
             }
         }
         for t in 0..n {
@@ -30,13 +31,15 @@ impl Builder<'_> {
                 Some(vars.len() - nv)
             };
             i.a = place(p.nodes[t].var, true);
-            i.b = place(p.nodes[t + 1].var, i.v || i.v_next);
-            i.c = if i.v_next {
+            i.velocity = place(p.nodes[t].velocity_var, true);
+            i.velocity_next = place(p.nodes[t + 1].velocity_var, true);
+            i.b = place(p.nodes[t + 1].var, !states && (i.moves || i.v_next));
+            i.c = if i.v_next && !states {
                 place(p.nodes[t + 2].var, true)
             } else {
                 None
             };
-            if motion && (i.v || i.v_next) {
+            if motion && !states && (i.v || i.v_next) {
                 i.time = Some(vars.len());
                 vars.push(p.duration_var + i.phase);
                 if i.v_next {
@@ -53,10 +56,20 @@ impl Builder<'_> {
                 i.time = Some(vars.len());
                 vars.push(p.duration_var + i.phase);
             }
+            // The equations of motion touch all but the configuration of the next node, if velocities are unknowns.
+            let in_motion = vars.len();
+            if let (true, Some(first)) = (states && i.moves, p.nodes[t + 1].var) {
+                i.b = Some(in_motion);
+                vars.extend(first..first + nv);
+            }
+            if states && t + 1 < n {
+                Self::changes(&mut p.intervals[t..=t + 1], &mut vars);
+            }
+            let i = &p.intervals[t];
             let e = &mut p.structure.elements[t];
             e.vars = vars;
             if i.dynamics {
-                e.blocks[0].cols = (0..e.vars.len()).collect();
+                e.blocks[0].cols = (0..in_motion).collect();
             }
             if i.velocity_rows.is_some() {
                 for (k, joint) in p.system.actuated().enumerate() {
@@ -77,6 +90,21 @@ impl Builder<'_> {
                     .flat_map(|first| at(first, frame))
                     .collect();
                 e.blocks[stick.block].cols = cols;
+            }
+            for touch in &i.touches {
+                let frame = p.nodes[t].frames[touch.slot];
+                let nodes = [i.a, i.velocity].into_iter().flatten();
+                e.blocks[touch.block].cols = nodes.flat_map(|first| at(first, frame)).collect();
+            }
+            if let Some(rows) = i.integrator {
+                for (k, joint) in p.system.model.joints.iter().enumerate() {
+                    let nodes = [i.a, i.b, i.velocity, i.velocity_next];
+                    let cols = nodes.into_iter().flatten().flat_map(|first| {
+                        let first = first + joint.idx_v;
+                        first..first + joint.kind.nv()
+                    });
+                    e.blocks[rows.first_block + k].cols = cols.chain(i.time).collect();
+                }
             }
             for slip in &i.slips {
                 let frame = p.nodes[t].frames[slip.slot];
@@ -106,6 +134,22 @@ impl Builder<'_> {
                     e.blocks[term.block].cols =
                         at(first, p.nodes[node].frames[term.slot]).collect();
                 }
+            }
+        }
+    }
+}
+
+impl Builder<'_> {
+    /// Appends the wrench variables of the next interval whose contacts are those of this one.
+    fn changes(pair: &mut [Interval], vars: &mut Vec<usize>) {
+        let [here, next] = pair else { return };
+        for force in &here.forces {
+            let Some(same) = next.forces.iter().find(|f| f.contact == force.contact) else {
+                continue;
+            };
+            for k in 0..force.n {
+                here.changes.push((force.first + k, vars.len()));
+                vars.push(next.wrench_var + same.first + k);
             }
         }
     }

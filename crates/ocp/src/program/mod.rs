@@ -6,12 +6,16 @@
 //!
 //! One element of the solver per interval: wrenches λ_t, nodes A = t, B = t+1, C = t+2, durations of the phases of this
 //! and the next interval. Terms of node t belong to element t.
+//!
+//! With the other integrators node velocities are unknowns too, tied to the configurations by rows; then an element has
+//! wrenches λ_t, configurations and velocities of nodes t and t+1, and the duration of its phase.
 
 mod contacts;
 mod costs;
 mod dynamics;
 mod forces;
 mod goal;
+pub(crate) mod integrator;
 mod interval;
 mod label;
 mod layout;
@@ -23,13 +27,13 @@ use crate::collision::{Clearances, CollisionModel};
 use crate::relative::RelativeFrame;
 use crate::settings::{Preset, Settings};
 use crate::system::System;
-use multibody::JointKind;
+use multibody::{JointKind, Kinematics};
 use scene::Scene;
 use solver::Structure;
 use symbolic::ContactState;
 
 pub use goal::goal_body;
-pub use interval::{Force, ForceRows, Interval, OnRobot, Slip, Stick};
+pub use interval::{Force, ForceRows, IntegratorRows, Interval, OnRobot, Slip, Stick, Touch};
 pub use label::{RowLabel, Subject};
 pub use node::{Node, NodeCost, NodeTerm};
 
@@ -86,6 +90,8 @@ pub struct Program {
     pub duration_var: usize,
     /// Posture that costs nothing, per velocity index (0 for floating bodies).
     pub home: Vec<f64>,
+    /// Weight of an interval or node of each phase in the costs that are sums over them.
+    pub share: Vec<f64>,
     /// Velocity and acceleration weights per velocity index.
     pub motion_weights: Vec<(f64, f64)>,
     /// Scale of each row of the equations of motion.
@@ -104,6 +110,23 @@ struct Builder<'a> {
     program: Program,
     keys: Vec<(usize, usize)>,
     labels: Vec<Vec<RowLabel>>,
+    /// Kinematics of the start.
+    start: Kinematics,
+}
+
+/// Parts of a phase in which growth after and before contact changes is counted, and the most of them that one interval is.
+const PARTS: f64 = 16.0;
+const MOST_PARTS: f64 = 3.0;
+/// Intervals of a phase whose costs have their plain weight.
+const REFERENCE_STEPS: f64 = 16.0;
+
+/// With the default preset the costs of a phase do not depend on its number of intervals; the paper sums over nodes.
+fn shares(settings: &Settings, grid: Grid, steps: &[usize]) -> Vec<f64> {
+    let share = |&n: &usize| match (settings.preset, grid) {
+        (Preset::Default, Grid::Motion) => REFERENCE_STEPS / n as f64,
+        _ => 1.0,
+    };
+    steps.iter().map(share).collect()
 }
 
 impl Program {
@@ -138,6 +161,7 @@ impl Program {
                 intervals: vec![Interval::default(); n],
                 duration_var: 0,
                 home: vec![0.0; nv],
+                share: shares(settings, grid, &steps),
                 motion_weights: vec![(0.0, 0.0); nv],
                 dynamics_scale: vec![1.0; nv],
                 momentum: settings.preset == Preset::Paper
@@ -152,13 +176,16 @@ impl Program {
             },
             keys: vec![],
             labels: vec![vec![]; n],
+            start: Kinematics::new(&system.model),
         };
+        builder.start.update(&system.model, &system.start(scene));
         builder.scales();
         builder.variables();
         builder.costs();
         for t in 0..n {
             builder.equations_of_motion(t);
             builder.velocity_limits(t);
+            builder.integrator(t);
             builder.contact_geometry(t, phases);
             builder.forces(t, phases);
         }
@@ -175,9 +202,24 @@ impl Program {
         self.intervals[t].phase
     }
 
+    /// True if node velocities are unknowns of their own.
+    pub fn has_velocities(&self) -> bool {
+        self.grid == Grid::Motion && self.settings.integrator.has_velocities()
+    }
+
     /// Number of intervals.
     pub fn n_intervals(&self) -> usize {
         self.intervals.len()
+    }
+
+    /// Sixteenths of a phase from the start to each node, where few intervals count as at most three each.
+    pub fn along(&self) -> Vec<f64> {
+        let mut along = vec![0.0];
+        for interval in &self.intervals {
+            let parts = (PARTS / self.steps[interval.phase] as f64).min(MOST_PARTS);
+            along.push(along[along.len() - 1] + parts);
+        }
+        along
     }
 
     /// Node whose configuration node `t` has (the last node rests where its predecessor is).

@@ -35,6 +35,8 @@ pub struct NodeCost {
 pub struct Node {
     /// First variable of its increments; `None` for a fixed node.
     pub var: Option<usize>,
+    /// First variable of its velocity; `None` where it is no unknown of its own.
+    pub velocity_var: Option<usize>,
     /// Relative frames evaluated here, indices into [`Program::frames`].
     pub frames: Vec<usize>,
     /// Rows.

@@ -49,12 +49,14 @@ impl Builder<'_> {
         let p = &mut self.program;
         let (n, nv) = (p.intervals.len(), p.system.model.nv);
         let motion = p.grid == Grid::Motion;
+        let states = p.has_velocities();
         let mut phase_of = Vec::new();
         for (k, &steps) in p.steps.iter().enumerate() {
             phase_of.extend(std::iter::repeat_n(k, steps));
         }
         let s = &mut p.structure;
-        let first_free = if motion { 2 } else { 1 };
+        // With explicit Euler rest fixes node 1 too.
+        let first_free = if motion && !states { 2 } else { 1 };
         let last_free = if motion { n - 1 } else { n };
         for t in first_free..=last_free {
             p.nodes[t].var = Some(s.n_vars);
@@ -79,6 +81,17 @@ impl Builder<'_> {
                 }
             }
             s.n_vars += nv;
+            if states && t < n - 1 {
+                p.nodes[t].velocity_var = Some(s.n_vars);
+                for joint in &p.system.model.joints {
+                    let limit = joint.velocity_limit * p.settings.margins.velocity;
+                    for _ in 0..joint.kind.nv() {
+                        s.lower.push(-limit);
+                        s.upper.push(limit);
+                    }
+                }
+                s.n_vars += nv;
+            }
         }
         if motion {
             p.nodes[n].var = p.nodes[n - 1].var;
@@ -87,7 +100,10 @@ impl Builder<'_> {
             let i = &mut p.intervals[t];
             i.phase = phase_of[t];
             i.dynamics = motion;
-            (i.v, i.v_next) = if motion {
+            i.moves = !motion || t < n - 1 && (states || t > 0);
+            (i.v, i.v_next) = if states {
+                (t > 0 && t < n - 1, t + 2 < n)
+            } else if motion {
                 (t > 0 && t < n - 1, t + 2 < n)
             } else {
                 (true, false)

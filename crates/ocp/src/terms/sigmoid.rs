@@ -5,12 +5,15 @@
 
 use super::PoseTerm;
 use super::distance::Obstacle;
-use super::pose_functions::{point_gradient, point_hessian, point_jacobian};
+use super::pose_functions::point_derivatives;
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 use spatial::Pose;
 
 /// Smoothing of |p_i| [m].
 const SMOOTHING: f64 = 1e-3;
+
+/// Penalties below exp(−FAR) = 1e-13 are not evaluated.
+const FAR: f64 = 30.0;
 
 /// Sum over points of a of the penalty against a box or plane of b; a cost, one row.
 #[derive(Debug)]
@@ -33,15 +36,27 @@ fn sigma(x: f64) -> (f64, f64, f64) {
 }
 
 impl Sigmoid {
+    /// True if the penalty at a point of b, with each σ(x) ≤ exp(x), is too small to count.
+    fn is_far(&self, p: &Vector3<f64>, radius: f64) -> bool {
+        let outside = match &self.obstacle {
+            Obstacle::Box(half) => (0..3)
+                .map(|i| (p[i].abs() - half[i] - radius).max(0.0))
+                .sum(),
+            Obstacle::HalfSpace => p.z - radius,
+            Obstacle::Parts(_) => f64::INFINITY,
+        };
+        self.slope * outside > FAR
+    }
+
     /// Penalty at a point of b, its gradient and Hessian.
     fn penalty(&self, p: &Vector3<f64>, radius: f64) -> (f64, Vector3<f64>, Matrix3<f64>) {
         match &self.obstacle {
             Obstacle::Box(half) => {
                 let mut factors = [(0.0, 0.0, 0.0); 3];
                 for i in 0..3 {
-                    let norm = p[i].hypot(SMOOTHING);
+                    let norm = (p[i] * p[i] + SMOOTHING * SMOOTHING).sqrt();
                     let (s, d, dd) = sigma(self.slope * (half[i] + radius - norm));
-                    let (n1, n2) = (p[i] / norm, SMOOTHING * SMOOTHING / norm.powi(3));
+                    let (n1, n2) = (p[i] / norm, SMOOTHING * SMOOTHING / (norm * norm * norm));
                     let k = self.slope;
                     factors[i] = (s, -k * d * n1, k * k * dd * n1 * n1 - k * d * n2);
                 }
@@ -83,23 +98,35 @@ impl PoseTerm for Sigmoid {
         out[0] = self
             .points
             .iter()
-            .map(|(l, r)| self.penalty(&x.act(*l), *r).0)
+            .map(|(l, r)| (x.act(*l), *r))
+            .filter(|(p, r)| !self.is_far(p, *r))
+            .map(|(p, r)| self.penalty(&p, r).0)
             .sum();
     }
     fn gradients(&self, b_from_a: &Pose, out: &mut [Vector6<f64>]) {
-        let x = self.obstacle_from_b * *b_from_a;
-        out[0] = Vector6::zeros();
-        for (l, r) in &self.points {
-            out[0] += point_gradient(&x, l, &self.penalty(&x.act(*l), *r).1);
-        }
+        self.derivatives(b_from_a, &[0.0], out);
     }
     fn hessian(&self, b_from_a: &Pose, weights: &[f64]) -> Matrix6<f64> {
+        self.derivatives(b_from_a, weights, &mut [Vector6::zeros()])
+    }
+    fn derivatives(
+        &self,
+        b_from_a: &Pose,
+        weights: &[f64],
+        gradients: &mut [Vector6<f64>],
+    ) -> Matrix6<f64> {
         let x = self.obstacle_from_b * *b_from_a;
+        gradients[0] = Vector6::zeros();
         let mut sum = Matrix6::zeros();
         for (l, r) in &self.points {
-            let (_, g, h) = self.penalty(&x.act(*l), *r);
-            let j = point_jacobian(&x, l);
-            sum += j.transpose() * h * j + point_hessian(&x, l, &g);
+            let p = x.act(*l);
+            if self.is_far(&p, *r) {
+                continue;
+            }
+            let (_, g, h) = self.penalty(&p, *r);
+            let (gradient, hessian) = point_derivatives(&x, l, &g, &h);
+            gradients[0] += gradient;
+            sum += hessian;
         }
         sum * weights[0]
     }

@@ -1,7 +1,7 @@
 //! Every derivative of the assembled program against central differences of its values.
 
-use crate::scenes::program;
-use ocp::{Grid, Point, Preset, Trajectory};
+use crate::scenes::{program, program_with};
+use ocp::{Grid, Integrator, Point, Preset, Trajectory};
 use solver::{ElementData, Problem};
 use spatial::Random;
 
@@ -25,7 +25,10 @@ fn evaluate(trajectory: &mut Trajectory, x: &Point) -> Evaluation {
 }
 
 fn check(seed: u64, grid: Grid, preset: Preset) {
-    let (mut trajectory, x) = program(seed, grid, preset);
+    check_program(seed, program(seed, grid, preset));
+}
+
+fn check_program(seed: u64, (mut trajectory, x): (Trajectory, Point)) {
     let structure = trajectory.structure().clone();
     let mut data: Vec<_> = structure.elements.iter().map(ElementData::new).collect();
     let mut random = Random::new(seed + 77);
@@ -133,6 +136,22 @@ fn check(seed: u64, grid: Grid, preset: Preset) {
 fn the_motion_program_matches_central_differences() {
     for seed in 0..4 {
         check(seed, Grid::Motion, Preset::Default);
+    }
+}
+
+#[test]
+fn programs_with_velocities_as_unknowns_match_central_differences() {
+    for integrator in [
+        Integrator::SemiImplicitEuler,
+        Integrator::ConstantAcceleration,
+    ] {
+        for seed in 0..3 {
+            let program = program_with(seed, Grid::Motion, Preset::Default, integrator);
+            let labels = &program.0.program.labels;
+            assert!(labels.iter().any(|l| l.category == "integrator"));
+            assert!(labels.iter().any(|l| l.category == "contact velocity"));
+            check_program(seed, program);
+        }
     }
 }
 

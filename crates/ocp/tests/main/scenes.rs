@@ -3,7 +3,7 @@
 use multibody::{Model, Root};
 use nalgebra::{Matrix3, Vector3, Vector6};
 use ocp::collision::CollisionModel;
-use ocp::{Grid, Phase, Point, Preset, Program, Settings, System, Trajectory};
+use ocp::{Grid, Integrator, Phase, Point, Preset, Program, Settings, System, Trajectory};
 use scene::{
     Interface, Object, Objective, OptimiserOptions, Owner, PlacedShape, Robot, Role, Scene,
     SearchOptions, Shape, StaticBody,
@@ -205,6 +205,16 @@ pub fn state(pairs: &[(usize, usize, ContactType)]) -> ContactState {
 
 /// A program with every kind of contact, at a random point around which everything moves.
 pub fn program(seed: u64, grid: Grid, preset: Preset) -> (Trajectory, Point) {
+    program_with(seed, grid, preset, Integrator::Euler)
+}
+
+/// The same with an integrator.
+pub fn program_with(
+    seed: u64,
+    grid: Grid,
+    preset: Preset,
+    integrator: Integrator,
+) -> (Trajectory, Point) {
     let scene = random_scene(seed);
     let system = System::new(&scene).expect("a model");
     let collisions = CollisionModel::new(&scene, &system);
@@ -231,7 +241,10 @@ pub fn program(seed: u64, grid: Grid, preset: Preset) -> (Trajectory, Point) {
             ],
         ),
     ];
-    let settings = Settings::new(preset, &scene.optimiser);
+    let settings = Settings {
+        integrator,
+        ..Settings::new(preset, &scene.optimiser)
+    };
     let mut random = Random::new(seed + 5);
     let n: usize = match grid {
         Grid::Motion | Grid::Path => 8,
@@ -246,7 +259,9 @@ pub fn program(seed: u64, grid: Grid, preset: Preset) -> (Trajectory, Point) {
         nodes.push(system.model.integrate(&nodes[nodes.len() - 1], &step));
     }
     if grid == Grid::Motion {
-        nodes[1].copy_from_slice(&start);
+        if integrator == Integrator::Euler {
+            nodes[1].copy_from_slice(&start);
+        }
         let rest = nodes[n - 1].clone();
         nodes[n].copy_from_slice(&rest);
     }
@@ -267,6 +282,14 @@ pub fn program(seed: u64, grid: Grid, preset: Preset) -> (Trajectory, Point) {
         .iter()
         .map(|i| (0..i.n_wrench).map(|_| random.uniform(-1.0, 1.0)).collect())
         .collect();
+    let mut velocities = vec![];
+    if integrator.has_velocities() {
+        let nv = system.model.nv;
+        velocities = vec![vec![0.0; nv]; n + 1];
+        for v in &mut velocities[1..n - 1] {
+            v.fill_with(|| random.uniform(-1.0, 1.0));
+        }
+    }
     let durations = if grid == Grid::Motion {
         vec![0.9, 0.6, 1.2]
     } else {
@@ -276,6 +299,7 @@ pub fn program(seed: u64, grid: Grid, preset: Preset) -> (Trajectory, Point) {
         Trajectory::new(program),
         Point {
             nodes,
+            velocities,
             wrenches,
             durations,
         },

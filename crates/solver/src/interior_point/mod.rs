@@ -71,7 +71,7 @@ impl<P: Problem> InteriorPoint<P> {
     /// # Panics
     /// If a variable belongs to no element: such a problem is ill-posed by construction.
     pub fn new(structure: &Structure) -> Self {
-        let data: Vec<_> = structure.elements.iter().map(ElementData::new).collect();
+        let elements = || structure.elements.iter();
         let kkt = Kkt::new(structure);
         let (n, m) = (structure.n_vars, kkt.n_rows());
         let unwritten = |length: usize| vec![f64::NAN; length];
@@ -79,8 +79,8 @@ impl<P: Problem> InteriorPoint<P> {
             structure: structure.clone(),
             kkt,
             fixed: Fixed::new(structure),
-            trial: data.clone(),
-            data,
+            data: elements().map(ElementData::new).collect(),
+            trial: elements().map(ElementData::of_values).collect(),
             scratch: Scratch {
                 rows: unwritten(m),
                 trial_rows: unwritten(m),

@@ -28,8 +28,11 @@ impl Problem for Dense {
         out.copy_from_slice(x);
     }
     fn evaluate(&mut self, x: &Vec<f64>, out: &mut [ElementData]) {
-        let no_multipliers = vec![0.0; self.structure.elements[0].n_rows()];
-        (self.function)(x, &no_multipliers, &mut out[0]);
+        let element = &self.structure.elements[0];
+        let mut all = ElementData::new(element);
+        (self.function)(x, &vec![0.0; element.n_rows()], &mut all);
+        out[0].objective = all.objective;
+        out[0].values = all.values;
     }
     fn linearise(&mut self, x: &Vec<f64>, y: &[f64], out: &mut [ElementData]) {
         (self.function)(x, y, &mut out[0]);

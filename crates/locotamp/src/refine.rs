@@ -1,0 +1,66 @@
+//! The motion that a robot executes: the optimiser's coarse solution again on a finer grid.
+
+use crate::api::{Event, Request};
+use ocp::{Motion, Phase, Planner, Preset, Settings};
+
+/// What became of the finer grid.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Refined {
+    /// Not asked for, or there is no feasible coarse motion.
+    No,
+    /// The plan is the refined motion.
+    Done {
+        /// Intervals of the coarse motion.
+        coarse_intervals: usize,
+        /// Iterations on the finer grid.
+        iterations: usize,
+        /// Solver time on the finer grid [s].
+        seconds: f64,
+    },
+    /// The plan is the coarse motion, for this reason.
+    Failed(String),
+}
+
+/// Refines a feasible motion if the request wants it; without success the coarse one is returned.
+pub(crate) fn refine(
+    planner: &Planner<'_>,
+    phases: &[Phase],
+    settings: &Settings,
+    coarse: Motion,
+    request: &Request,
+    observe: &mut dyn FnMut(&Event) -> bool,
+) -> (Motion, Refined) {
+    let wanted = request
+        .refinement
+        .filter(|_| coarse.feasible && settings.preset == Preset::Default);
+    let Some(refinement) = wanted else {
+        return (coarse, Refined::No);
+    };
+    let coarse_intervals = coarse.trajectory.program.n_intervals();
+    let mut stopped = !observe(&Event::Refining {
+        max_step: refinement.max_step,
+    });
+    let fine = planner.refine(phases, settings, &coarse, refinement, &mut |i| {
+        stopped |= !observe(&Event::Iteration {
+            number: 0,
+            iteration: i.number,
+            violation: i.violation,
+            objective: i.objective,
+        });
+        !stopped
+    });
+    if fine.feasible {
+        let done = Refined::Done {
+            coarse_intervals,
+            iterations: fine.iterations,
+            seconds: fine.seconds,
+        };
+        return (fine, done);
+    }
+    let reason = match crate::summary::resistance(planner.scene, &fine) {
+        _ if stopped => "stopped".to_owned(),
+        Some(words) => words,
+        None => format!("the optimiser ended as {:?}", fine.report.status),
+    };
+    (coarse, Refined::Failed(reason))
+}

@@ -1,0 +1,67 @@
+//! Rows that tie configurations to velocities, and rest at new contacts, where node velocities are unknowns.
+
+use super::label::label;
+use super::{Builder, IntegratorRows, Subject, Touch};
+use solver::BlockStructure;
+use symbolic::Contact;
+
+/// Displacement over an interval that counts as one [m or rad]: rows are exact to a thousandth of the solver's tolerance
+/// in the velocities of a fine grid.
+pub const DISPLACEMENT_SCALE: f64 = 0.1;
+
+impl Builder<'_> {
+    /// q⁺ ⊖ q − dt (β v + γ v⁺) = 0 of interval `t`, one block per joint.
+    pub(super) fn integrator(&mut self, t: usize) {
+        let p = &mut self.program;
+        if !p.has_velocities() || !p.intervals[t].moves {
+            return;
+        }
+        let element = &mut p.structure.elements[t];
+        p.intervals[t].integrator = Some(IntegratorRows {
+            first_row: element.n_rows(),
+            first_block: element.blocks.len(),
+        });
+        for joint in &p.system.model.joints {
+            let (first_row, n_rows) = (element.n_rows(), joint.kind.nv());
+            for k in 0..n_rows {
+                element.row_lower.push(0.0);
+                element.row_upper.push(0.0);
+                let subject = Subject::Coordinate(joint.idx_v + k);
+                let unit = if n_rows == 6 && k < 3 { "m" } else { "rad" };
+                self.labels[t].push(label("integrator", subject, DISPLACEMENT_SCALE, unit));
+            }
+            element.blocks.push(BlockStructure {
+                first_row,
+                n_rows,
+                cols: vec![],
+            });
+        }
+    }
+
+    /// The relative velocity of a contact that comes into being at node `t` is zero there (formulation 2.19: no impact).
+    pub(super) fn touch_rows(&mut self, t: usize, contact: Contact, frame: usize) {
+        let p = &mut self.program;
+        let slot = p.nodes[t].slot(frame);
+        let n_rows = if contact.kind.is_patch() { 6 } else { 3 };
+        let element = &mut p.structure.elements[t];
+        let (first_row, block) = (element.n_rows(), element.blocks.len());
+        for r in 0..n_rows {
+            element.row_lower.push(0.0);
+            element.row_upper.push(0.0);
+            let unit = if r < 3 { "m/s" } else { "rad/s" };
+            let subject = Subject::Contact(contact);
+            self.labels[t].push(label("contact velocity", subject, 1.0, unit));
+        }
+        element.blocks.push(BlockStructure {
+            first_row,
+            n_rows,
+            cols: vec![],
+        });
+        p.intervals[t].touches.push(Touch {
+            slot,
+            n_rows,
+            first_row,
+            block,
+        });
+    }
+}

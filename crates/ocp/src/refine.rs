@@ -1,0 +1,106 @@
+//! A motion again on a finer grid, from the coarse solution.
+//!
+//! The coarse motion is for search: explicit Euler with steps of a tenth of a second moves the joints by what a robot
+//! cannot follow. The refined one has steps of at most [`Refinement::max_step`] and holds the acceleration within each.
+
+use crate::collision::ExtraClearance;
+use crate::guess::Curve;
+use crate::motion::{First, Motion, Planner, near};
+use crate::point::Point;
+use crate::program::{Grid, Phase};
+use crate::settings::{Integrator, Settings};
+use solver::Iteration;
+
+/// What the finer grid is like.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Refinement {
+    /// How states follow from one another.
+    pub integrator: Integrator,
+    /// Longest interval [s].
+    pub max_step: f64,
+}
+
+impl Default for Refinement {
+    fn default() -> Self {
+        Self {
+            integrator: Integrator::ConstantAcceleration,
+            max_step: 0.02,
+        }
+    }
+}
+
+/// Share by which a phase may grow on the finer grid.
+const ROOM: f64 = 1.1;
+
+impl Planner<'_> {
+    /// The same contacts and nearly the same motion on a finer grid.
+    ///
+    /// `settings` are those of the coarse motion; the preset must be [`crate::Preset::Default`] unless the integrator is
+    /// explicit Euler.
+    pub fn refine(
+        &self,
+        phases: &[Phase],
+        settings: &Settings,
+        coarse: &Motion,
+        refinement: Refinement,
+        observe: &mut dyn FnMut(&Iteration) -> bool,
+    ) -> Motion {
+        let program = &coarse.trajectory.program;
+        let durations = &coarse.point.durations;
+        let finer: Vec<Phase> = phases
+            .iter()
+            .zip(durations.iter().zip(&program.steps))
+            .map(|(phase, (duration, &steps))| Phase {
+                state: phase.state.clone(),
+                steps: steps.max((ROOM * duration / refinement.max_step).ceil() as usize),
+            })
+            .collect();
+        let mut times = vec![0.0];
+        for (duration, &steps) in durations.iter().zip(&program.steps) {
+            let start = times[times.len() - 1];
+            times.extend((1..=steps).map(|i| start + duration * i as f64 / steps as f64));
+        }
+        let curve = Curve::new(&self.system, &times, &coarse.point.nodes);
+        let (mut nodes, mut velocities) = (vec![], vec![]);
+        let mut wrenches = vec![];
+        let mut start = 0.0;
+        for (phase, duration) in finer.iter().zip(durations) {
+            for i in 0..phase.steps {
+                let time = |i: f64| start + duration * i / phase.steps as f64;
+                let (q, v) = curve.at(time(i as f64));
+                nodes.push(q);
+                velocities.push(v);
+                let interval = times.partition_point(|&t| t <= time(i as f64 + 0.5)) - 1;
+                wrenches.push(coarse.point.wrenches[interval].clone());
+            }
+            start += duration;
+        }
+        let rest = coarse.point.nodes[coarse.point.nodes.len() - 1].clone();
+        let n = nodes.len();
+        nodes[n - 1].copy_from_slice(&rest);
+        nodes.push(rest);
+        velocities.push(vec![]);
+        for t in [0, n - 1, n] {
+            velocities[t] = vec![0.0; self.system.model.nv];
+        }
+        let settings = Settings {
+            integrator: refinement.integrator,
+            max_step: refinement.max_step,
+            ..settings.clone()
+        };
+        let none = ExtraClearance::new();
+        let program = self.program(&finer, &settings, Grid::Motion, near(&nodes, &none));
+        if !program.has_velocities() {
+            let first = nodes[0].clone();
+            nodes[1].copy_from_slice(&first);
+            velocities.clear();
+        }
+        let point = Point {
+            nodes,
+            wrenches,
+            velocities,
+            durations: durations.clone(),
+        };
+        self.optimise(&finer, program, point, First::near_solution(), observe)
+    }
+}
