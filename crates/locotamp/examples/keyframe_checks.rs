@@ -1,15 +1,14 @@
 //! Cost and false rejections of the keyframe checks: `keyframe_checks FOLDER VARIANTS [FILTER]`.
 //!
-//! Every state, transition and beginning of every sequence of a folder, in its scene and in variants of it: objects moved by
-//! up to 5 cm each way, tables and stairs raised or lowered by up to 3 cm. Where a sequence that is not known to be
-//! infeasible is rejected, the optimiser tries it all the same: a plan shows a false rejection.
+//! Every state, transition and beginning of every sequence of a folder, in its scene and in variants of it
+//! ([`Scene::perturbed`]). Where a sequence that is not known to be infeasible is rejected, the optimiser tries it all the
+//! same: a plan shows a false rejection.
 
 use locotamp::Preset;
 use multibody::Kinematics;
 use ocp::collision::CollisionModel;
 use ocp::{Keyframes, Phase, Planner, Settings};
-use scene::{Expectation, Owner, Scene, SequenceFile, Shape};
-use spatial::{Pose, Random};
+use scene::{Expectation, Perturbation, Scene, SequenceFile};
 use std::path::{Path, PathBuf};
 
 /// Overlap at the start from which on a variant is left out [m].
@@ -94,7 +93,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let scene = if variant == 0 {
                 scene.clone()
             } else {
-                vary(&scene, variant)
+                scene.perturbed(&Perturbation::default(), variant)
             };
             totals.judge(&format!("{name} {variant}"), &scene, &phases, known)?;
         }
@@ -185,47 +184,6 @@ fn processor_time() -> f64 {
         .next()
         .and_then(|t| t.parse::<f64>().ok());
     nanoseconds.unwrap_or(0.0) * 1e-9
-}
-
-/// The scene with objects and tables elsewhere.
-fn vary(scene: &Scene, seed: u64) -> Scene {
-    let mut scene = scene.clone();
-    let mut random = Random::new(seed);
-    let mut raised = vec![0.0; scene.statics.len()];
-    for (body, raised) in scene.statics.iter_mut().zip(&mut raised) {
-        let z = random.uniform(-0.03, 0.03);
-        let plane = body
-            .shapes
-            .iter()
-            .any(|s| matches!(s.shape, Shape::HalfSpace));
-        if !plane {
-            *raised = z;
-            for shape in &mut body.shapes {
-                shape.body_from_shape = Pose::from_translation(0.0, 0.0, z) * shape.body_from_shape;
-            }
-        }
-    }
-    for interface in &mut scene.interfaces {
-        if let Owner::Static(s) = interface.owner {
-            interface.body_from_interface =
-                Pose::from_translation(0.0, 0.0, raised[s]) * interface.body_from_interface;
-        }
-    }
-    for o in 0..scene.objects.len() {
-        let on = scene
-            .start_contacts
-            .iter()
-            .find(|c| scene.interfaces[c.a.0].owner == Owner::Object(o));
-        let z = on.map_or(0.0, |c| match scene.interfaces[c.b.0].owner {
-            Owner::Static(s) => raised[s],
-            _ => 0.0,
-        });
-        let shift =
-            Pose::from_translation(random.uniform(-0.05, 0.05), random.uniform(-0.05, 0.05), z);
-        let start = &mut scene.objects[o].world_from_start;
-        *start = shift * *start;
-    }
-    scene
 }
 
 fn starts_in_collision(scene: &Scene, planner: &Planner<'_>) -> bool {

@@ -56,16 +56,17 @@ impl Planner<'_> {
             state: state.clone(),
             steps: 1,
         }];
-        let mut best: Option<Keyframes> = None;
-        for from in guess::states(self.scene, &self.system, state) {
-            let ask = Ask::new(self, &phases, settings, Grid::State);
-            let found = ask.solve(vec![from.clone(), from], Watched::new()).0;
-            best = Some(less_violated(best, found));
-            if best.as_ref().is_some_and(|b| b.possible) {
+        let ask = Ask::new(self, &phases, settings, Grid::State);
+        let solve = |from: &Vec<f64>| ask.solve(vec![from.clone(); 2], Watched::new()).0;
+        let guesses = guess::states(self.scene, &self.system, state);
+        let mut best = solve(&guesses[0]);
+        for from in &guesses[1..] {
+            if best.possible {
                 break;
             }
+            best = less_violated(best, solve(from));
         }
-        best.expect("there is a first guess")
+        best
     }
 
     /// One configuration that satisfies the contacts of two neighbouring states.
@@ -120,8 +121,8 @@ impl<'a> Ask<'a> {
     }
 
     /// Solves from a guess from the sequence alone, then from one that was solved boundary by boundary, at last with short
-    /// steps and, if clearances resist, with those of all that is near the guess from the beginning: once a link is inside
-    /// something, its row may lead out on the wrong side.
+    /// steps, no pull to the home posture at the end and, if clearances resist, with those of all that is near the guess from
+    /// the beginning: once a link is inside something, its row may lead out on the wrong side.
     fn answer(&self) -> Keyframes {
         let guess = guess::keyframes(self.planner.scene, &self.planner.system, self.phases);
         let (first, first_rows) = self.solve(guess.clone(), Watched::new());
@@ -130,7 +131,7 @@ impl<'a> Ask<'a> {
         }
         let (nodes, watched) = self.forward(guess.clone());
         let (second, second_rows) = self.solve(nodes, watched);
-        let best = less_violated(Some(first), second);
+        let best = less_violated(first, second);
         if best.possible {
             return best;
         }
@@ -140,11 +141,14 @@ impl<'a> Ask<'a> {
         } else {
             Watched::new()
         };
+        let mut settings = self.settings.clone();
+        settings.weights.final_posture = settings.weights.posture;
         let careful = Ask {
             careful: true,
+            settings: &settings,
             ..*self
         };
-        less_violated(Some(best), careful.solve(guess, near).0)
+        less_violated(best, careful.solve(guess, near).0)
     }
 
     /// Rows of all that is near at these configurations.
@@ -290,10 +294,11 @@ impl<'a> Ask<'a> {
     }
 }
 
-fn less_violated(a: Option<Keyframes>, b: Keyframes) -> Keyframes {
-    match a {
-        Some(a) if !b.possible && a.report.violation <= b.report.violation => a,
-        _ => b,
+fn less_violated(a: Keyframes, b: Keyframes) -> Keyframes {
+    if b.possible || b.report.violation < a.report.violation {
+        b
+    } else {
+        a
     }
 }
 
