@@ -1,6 +1,6 @@
 //! The most frequent reasons why sequences were given up.
 
-use locotamp::{Attempt, Reached};
+use locotamp::{Attempt, Impossible, Reached};
 use std::collections::BTreeMap;
 
 /// A reason and how often it decided.
@@ -16,8 +16,9 @@ pub(crate) struct Reason {
     pub example: String,
 }
 
-/// Reasons of all attempts that are no plan, the most frequent first; amounts and phases aside, equal reasons are one.
-pub(crate) fn most_frequent(attempts: &[Attempt]) -> Vec<Reason> {
+/// Reasons of all attempts that are no plan and of contacts that were refused, the most frequent first; amounts and phases
+/// aside, equal reasons are one.
+pub(crate) fn most_frequent(attempts: &[Attempt], impossible: &[Impossible]) -> Vec<Reason> {
     let mut groups: BTreeMap<(&str, &str), (usize, &str)> = BTreeMap::new();
     for attempt in attempts {
         let stage = match attempt.reached {
@@ -38,6 +39,12 @@ pub(crate) fn most_frequent(attempts: &[Attempt]) -> Vec<Reason> {
             example: example.into(),
         })
         .collect();
+    reasons.extend(impossible.iter().map(|refusal| Reason {
+        count: refusal.refused,
+        stage: "refused",
+        what: refusal.contacts.join(", "),
+        example: refusal.reason.clone(),
+    }));
     reasons.sort_by_key(|reason| std::cmp::Reverse(reason.count));
     reasons
 }
@@ -76,7 +83,14 @@ mod tests {
                 "torque of knee: 2.0e0 N·m off, in phase 2",
             ),
         ];
-        let reasons = most_frequent(&attempts);
+        let refused = Impossible {
+            contacts: vec!["left_foot on moon".into()],
+            reason: "too far".into(),
+            refused: 3,
+        };
+        let mut reasons = most_frequent(&attempts, &[refused]);
+        let first = reasons.remove(0);
+        assert_eq!((first.count, first.example.as_str()), (3, "too far"));
         assert_eq!(reasons.len(), 2);
         assert_eq!(
             (reasons[0].count, reasons[0].stage, reasons[0].what.as_str()),

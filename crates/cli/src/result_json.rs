@@ -13,7 +13,7 @@ pub(crate) fn write(finished: &Finished) -> Value {
         (Some(_), false) => "infeasible",
         (None, _) => "none",
     };
-    let reasons = reasons::most_frequent(&outcome.attempts);
+    let reasons = reasons::most_frequent(&outcome.attempts, &outcome.impossible);
     json!({
         "status": status,
         "scene": finished.scene,

@@ -166,7 +166,7 @@ fn figures(summary: &Summary) -> String {
 
 /// Why there is no plan.
 fn explanation(outcome: &Outcome) -> String {
-    let reasons = reasons::most_frequent(&outcome.attempts);
+    let reasons = reasons::most_frequent(&outcome.attempts, &outcome.impossible);
     let mut text = String::new();
     if reasons.is_empty() {
         return text;

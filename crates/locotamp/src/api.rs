@@ -1,9 +1,9 @@
 //! What a caller asks for, sees on the way and gets.
 
+use crate::export;
 use crate::quality::{self, Quality};
 use crate::refine::Refined;
 use crate::summary::{self, Summary};
-use crate::export;
 use ocp::{Integrator, Motion, Preset, Refinement};
 use scene::Scene;
 use symbolic::SymbolicError;
@@ -130,6 +130,18 @@ pub struct Attempt {
     pub seconds: f64,
 }
 
+/// Contacts that no configuration satisfies together: states that contain them, and transitions that join them, were refused
+/// before any sequence with them was looked at.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Impossible {
+    /// The contacts, "a on b".
+    pub contacts: Vec<String>,
+    /// Why, in words.
+    pub reason: String,
+    /// Number of states and transitions that were refused for it.
+    pub refused: usize,
+}
+
 /// A plan with its summary.
 #[derive(Debug, Clone)]
 pub struct Found {
@@ -174,6 +186,8 @@ pub struct Outcome {
     pub feasible: bool,
     /// All sequences tried, in order.
     pub attempts: Vec<Attempt>,
+    /// Contacts that were found to exclude one another.
+    pub impossible: Vec<Impossible>,
     /// Why the search ended, in words.
     pub ended: String,
     /// Wall time [s].
@@ -202,7 +216,9 @@ pub enum Error {
         depth_mm: f64,
     },
     /// The preset and the integrator do not go together.
-    #[error("the preset `paper` has explicit Euler only (its momentum rows are defined with it); drop the integrator or the preset")]
+    #[error(
+        "the preset `paper` has explicit Euler only (its momentum rows are defined with it); drop the integrator or the preset"
+    )]
     PaperIntegrator,
     /// The goal cannot be reached by any sequence of manipulation actions.
     #[error("{0}")]

@@ -5,6 +5,7 @@
 //! observer, which can stop the search at any time and then gets the best so far.
 
 mod api;
+mod checks;
 mod domain;
 mod export;
 mod quality;
@@ -13,7 +14,7 @@ mod search;
 mod solve;
 mod summary;
 
-pub use api::{Attempt, Error, Event, Found, Outcome, Reached, Request};
+pub use api::{Attempt, Error, Event, Found, Impossible, Outcome, Reached, Request};
 pub use domain::{domain, graph};
 pub use ocp::{Integrator, Preset, Refinement};
 pub use quality::{Margin, Peak, Quality, Residuals, Swing};

@@ -1,17 +1,21 @@
-//! The plan search: sequences best first, keyframes as a filter, the trajectory optimiser as the judge.
+//! The plan search: sequences best first, states, transitions and keyframes as filters, the trajectory optimiser as the judge.
 
-use std::collections::BTreeSet;
 use std::time::Instant;
 
 use crate::api::{Attempt, Error, Event, Found, Outcome, Reached, Request};
+use crate::checks::Checks;
 use crate::{domain, refine, summary};
-use ocp::{Integrator, Keyframes, Motion, Phase, Planner, Preset, Settings};
+use ocp::{Integrator, Keyframes, Motion, Phase, Planner, Preset, Relative, Settings};
 use scene::Scene;
+use solver::Iteration;
 use symbolic::search::Rejected;
-use symbolic::{BestFirst, Costs, Oracle, Sequence};
+use symbolic::{BestFirst, Costs, Sequence};
 
 /// Overlap of bodies at the start that is tolerated [m]: less than the collision model's own accuracy.
 const START_OVERLAP: f64 = 0.005;
+
+/// Phases at the end in which a sequence may differ from another whose motion it starts from.
+const DIFFERENT_AT_END: usize = 2;
 
 /// Finds contacts and motion for a scene.
 ///
@@ -43,25 +47,27 @@ pub fn plan(
         max_phases: search.max_phases(),
         skeleton,
     };
+    let settings = settings(scene, request)?;
     let mut run = Run {
         scene,
         request,
-        settings: settings(scene, request)?,
-        planner,
+        settings: &settings,
+        planner: &planner,
+        checks: Checks::new(&planner, &settings, begin, request.time_limit),
         begin,
         stopped: !observe(&started),
         observe,
         attempts: vec![],
         best: None,
-        possible_prefixes: BTreeSet::new(),
+        relatives: vec![],
     };
     let ended = run.search(search);
     let best = run.best.take().map(|(motion, sequence)| {
         let phases = run.phases(&sequence);
         let (mut motion, refined) = refine::refine(
-            &run.planner,
+            run.planner,
             &phases,
-            &run.settings,
+            run.settings,
             motion,
             request,
             run.observe,
@@ -73,6 +79,7 @@ pub fn plan(
         feasible: best.as_ref().is_some_and(|b| b.1),
         best: best.map(|b| b.0),
         attempts: run.attempts,
+        impossible: run.checks.impossible(),
         ended,
         seconds: begin.elapsed().as_secs_f64(),
     })
@@ -92,35 +99,21 @@ pub(crate) fn settings(scene: &Scene, request: &Request) -> Result<Settings, Err
 struct Run<'a> {
     scene: &'a Scene,
     request: &'a Request,
-    settings: Settings,
-    planner: Planner<'a>,
+    settings: &'a Settings,
+    planner: &'a Planner<'a>,
+    checks: Checks<'a>,
     begin: Instant,
     stopped: bool,
     observe: &'a mut dyn FnMut(&Event) -> bool,
     attempts: Vec<Attempt>,
     best: Option<(Motion, Sequence)>,
-    possible_prefixes: BTreeSet<Vec<symbolic::ContactState>>,
-}
-
-/// Ends the symbolic search when time is up.
-struct Clock {
-    deadline: f64,
-    begin: Instant,
-}
-
-impl Oracle for Clock {
-    fn stop(&mut self) -> bool {
-        self.begin.elapsed().as_secs_f64() > self.deadline
-    }
+    /// What the motions found so far leave to others.
+    relatives: Vec<Relative>,
 }
 
 impl Run<'_> {
     /// Tries sequences until enough plans are found; says why it ended.
     fn search(&mut self, mut search: BestFirst) -> String {
-        let mut clock = Clock {
-            deadline: self.request.time_limit,
-            begin: self.begin,
-        };
         let (mut feasible, mut optimised) = (0, 0);
         for number in 1.. {
             if self.stopped {
@@ -132,7 +125,7 @@ impl Run<'_> {
             if optimised >= self.request.max_optimised {
                 return format!("{optimised} sequences optimised, the limit");
             }
-            let Some(sequence) = search.next(&mut clock) else {
+            let Some(sequence) = search.next(&mut self.checks) else {
                 return match search.status() {
                     symbolic::Status::Stopped => {
                         format!("time limit of {} s", self.request.time_limit)
@@ -163,7 +156,7 @@ impl Run<'_> {
             labels: labels.clone(),
         });
         let phases = self.phases(sequence);
-        let keyframes = self.planner.keyframes(&phases, &self.settings);
+        let keyframes = self.planner.keyframes(&phases, self.settings);
         let mut attempt = Attempt {
             number,
             labels,
@@ -202,18 +195,24 @@ impl Run<'_> {
     ) {
         let (time_limit, begin) = (self.request.time_limit, self.begin);
         let (observe, stopped) = (&mut self.observe, &mut self.stopped);
-        let motion = self
-            .planner
-            .motion(phases, &self.settings, &keyframes.nodes, &mut |i| {
-                let event = Event::Iteration {
-                    number,
-                    iteration: i.number,
-                    violation: i.violation,
-                    objective: i.objective,
-                };
-                *stopped |= !observe(&event);
-                !*stopped && begin.elapsed().as_secs_f64() <= time_limit
-            });
+        let mut watch = |i: &Iteration| {
+            let event = Event::Iteration {
+                number,
+                iteration: i.number,
+                violation: i.violation,
+                objective: i.objective,
+            };
+            *stopped |= !observe(&event);
+            !*stopped && begin.elapsed().as_secs_f64() <= time_limit
+        };
+        let (planner, settings) = (self.planner, self.settings);
+        let relative = nearest(&self.relatives, phases);
+        let warm = relative.and_then(|r| planner.motion_from(phases, settings, r, &mut watch));
+        let motion =
+            warm.unwrap_or_else(|| planner.motion(phases, settings, &keyframes.nodes, &mut watch));
+        if motion.feasible {
+            self.relatives.push(motion.relative());
+        }
         attempt.reached = if motion.feasible {
             Reached::Feasible
         } else {
@@ -245,13 +244,13 @@ impl Run<'_> {
     /// Finds the shortest impossible beginning, so that nothing that starts with it is tried again. If the contacts
     /// alone are possible, only the goal is out of reach, and longer sequences may still get there.
     fn reject_prefix(&mut self, sequence: &Sequence, phases: &[Phase], search: &mut BestFirst) {
-        if self.prefix_possible(sequence, phases, phases.len()) {
+        if self.checks.prefix_possible(phases) {
             return;
         }
         let (mut possible, mut impossible) = (0, phases.len());
         while impossible - possible > 1 {
             let middle = usize::midpoint(possible, impossible);
-            if self.prefix_possible(sequence, phases, middle) {
+            if self.checks.prefix_possible(&phases[..middle]) {
                 possible = middle;
             } else {
                 impossible = middle;
@@ -262,21 +261,6 @@ impl Run<'_> {
             Rejected::Prefix(prefix),
             "no keyframes satisfy these contacts",
         );
-    }
-
-    fn prefix_possible(&mut self, sequence: &Sequence, phases: &[Phase], length: usize) -> bool {
-        let states = sequence.states[..length].to_vec();
-        if self.possible_prefixes.contains(&states) {
-            return true;
-        }
-        let possible = self
-            .planner
-            .keyframes_of_prefix(&phases[..length], &self.settings)
-            .possible;
-        if possible {
-            self.possible_prefixes.insert(states);
-        }
-        possible
     }
 
     fn phases(&self, sequence: &Sequence) -> Vec<Phase> {
@@ -294,6 +278,15 @@ impl Run<'_> {
     fn tell(&mut self, event: &Event) {
         self.stopped |= !(self.observe)(event);
     }
+}
+
+/// The relative that shares most phases, the first of these, if it differs in the last few only: a start that shares less
+/// saved nothing (benches/runs/2026-11-21-keyframes.md).
+fn nearest<'a>(relatives: &'a [Relative], phases: &[Phase]) -> Option<&'a Relative> {
+    let shared = |r: &Relative| r.shared_phases(phases);
+    let most = relatives.iter().map(shared).max()?;
+    let near = relatives.iter().find(|r| shared(r) == most);
+    near.filter(|_| most + DIFFERENT_AT_END >= phases.len())
 }
 
 /// Feasible before infeasible; then by cost, or by violation.

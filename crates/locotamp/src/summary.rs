@@ -93,18 +93,17 @@ fn subject(scene: &Scene, worst: &Worst) -> String {
 
 /// A violated row in plain words.
 pub(crate) fn words(scene: &Scene, worst: &Worst) -> String {
-    let Worst {
-        label,
-        phase,
-        amount,
-        ..
-    } = worst;
+    format!("{}, in phase {}", amount(scene, worst), worst.phase + 1)
+}
+
+/// The same whatever the phase.
+pub(crate) fn amount(scene: &Scene, worst: &Worst) -> String {
+    let Worst { label, amount, .. } = worst;
     format!(
-        "{} of {}: {amount:.2e} {} off, in phase {}",
+        "{} of {}: {amount:.2e} {} off",
         label.category,
         subject(scene, worst),
-        label.unit,
-        phase + 1
+        label.unit
     )
 }
 

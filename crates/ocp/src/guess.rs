@@ -4,14 +4,16 @@
 
 use crate::point::Point;
 use crate::program::{Phase, Program};
+use crate::resting;
 use crate::system::System;
-use nalgebra::Vector3;
+use nalgebra::{Vector3, Vector6};
 use scene::{Owner, Role, Scene};
 use spatial::Pose;
-use symbolic::Contact;
+use symbolic::{Contact, ContactState};
 
-/// Height by which an object in the air is lifted above its neighbours in the guess [m].
-const LIFT: f64 = 0.06;
+/// Shares of the way and turns [rad] of the base in the guesses for a lone state.
+const STATE_GUESSES: [(f64, f64); 5] =
+    [(1.0, 0.0), (0.0, 0.0), (1.6, 0.0), (1.0, 1.0), (1.0, -1.0)];
 /// First guess of a phase's duration [s].
 const DURATION: f64 = 0.7;
 
@@ -20,10 +22,9 @@ const DURATION: f64 = 0.7;
 pub fn keyframes(scene: &Scene, system: &System, phases: &[Phase]) -> Vec<Vec<f64>> {
     let start = system.start(scene);
     let mut out = vec![start.clone(); phases.len() + 1];
-    for (o, object) in scene.objects.iter().enumerate() {
-        let poses = object_poses(scene, o, &object.world_from_start, phases);
+    for (o, poses) in resting::poses(scene, phases).iter().enumerate() {
         let first = system.object_q(o);
-        for (q, pose) in out.iter_mut().zip(&poses) {
+        for (q, pose) in out.iter_mut().zip(poses) {
             q[first..first + 7].copy_from_slice(&pose.to_xyzquat());
         }
     }
@@ -34,74 +35,6 @@ pub fn keyframes(scene: &Scene, system: &System, phases: &[Phase]) -> Vec<Vec<f6
         }
     }
     out
-}
-
-/// The contact that supports an object in a phase: its landing surface on a static body or another object.
-fn support(scene: &Scene, object: usize, phase: &Phase) -> Option<Contact> {
-    phase.state.contacts.iter().copied().find(|c| {
-        scene.interfaces[c.a.0].owner == Owner::Object(object)
-            && !matches!(scene.interfaces[c.b.0].owner, Owner::Robot { .. })
-    })
-}
-
-fn object_poses(scene: &Scene, object: usize, start: &Pose, phases: &[Phase]) -> Vec<Pose> {
-    let mut known: Vec<Option<Pose>> = vec![None; phases.len() + 1];
-    known[0] = Some(*start);
-    let mut current = (support(scene, object, &phases[0]), *start);
-    for (k, phase) in phases.iter().enumerate() {
-        let contact = support(scene, object, phase);
-        if let Some(contact) = contact {
-            if current.0 != Some(contact) {
-                current = (Some(contact), resting_pose(scene, contact, &current.1));
-            }
-            known[k] = Some(current.1);
-            known[k + 1] = Some(current.1);
-        } else {
-            current.0 = None;
-        }
-    }
-    // In the air: between the neighbours, a little higher.
-    let mut out = Vec::with_capacity(known.len());
-    for k in 0..known.len() {
-        let before = (0..=k).rev().find_map(|i| known[i].map(|p| (i, p)));
-        let after = (k..known.len()).find_map(|i| known[i].map(|p| (i, p)));
-        out.push(match (known[k], before, after) {
-            (Some(pose), _, _) => pose,
-            (None, Some((i, from)), Some((j, to))) => {
-                let s = (k - i) as f64 / (j - i) as f64;
-                lifted(&from.plus(&(to.minus(&from) * s)))
-            }
-            (None, Some((_, from)), None) => lifted(&from),
-            (None, None, _) => *start,
-        });
-    }
-    out
-}
-
-fn lifted(pose: &Pose) -> Pose {
-    Pose::from_parts(
-        *pose.rotation(),
-        pose.origin() + Vector3::new(0.0, 0.0, LIFT),
-    )
-}
-
-/// The object's pose with its surface in the middle of a support, turned as little as possible.
-fn resting_pose(scene: &Scene, contact: Contact, now: &Pose) -> Pose {
-    let (a, b) = (
-        &scene.interfaces[contact.a.0],
-        &scene.interfaces[contact.b.0],
-    );
-    let world_from_b = match b.owner {
-        Owner::Object(o) => scene.objects[o].world_from_start * b.body_from_interface,
-        _ => b.body_from_interface,
-    };
-    let mut origin = world_from_b.origin();
-    if b.half_size.is_none() {
-        let kept = (*now * a.body_from_interface).origin();
-        origin = Vector3::new(kept.x, kept.y, origin.z);
-    }
-    let body_origin = origin - now.rotate(a.body_from_interface.origin());
-    Pose::from_parts(*now.rotation(), body_origin)
 }
 
 /// Horizontal and vertical offsets of the base per phase boundary.
@@ -248,7 +181,9 @@ pub fn interpolate(
     path: &[Vec<f64>],
     path_steps: usize,
 ) -> Vec<Vec<f64>> {
-    let times: Vec<f64> = (0..path.len()).map(|i| i as f64 / path_steps as f64).collect();
+    let times: Vec<f64> = (0..path.len())
+        .map(|i| i as f64 / path_steps as f64)
+        .collect();
     let curve = Curve::new(system, &times, path);
     let mut out = vec![path[0].clone()];
     // Explicit Euler from rest and to rest: the first two and the last two nodes coincide, so the first and the last phase
@@ -304,4 +239,34 @@ pub fn point(program: &Program, scene: &Scene, nodes: Vec<Vec<f64>>) -> Point {
         wrenches,
         durations,
     }
+}
+
+/// Configurations near which a lone state may be satisfied, the likeliest first: objects on their supports or where they
+/// start, the base moved along with the feet and with what the hands handle, by more or less of the way, or turned too.
+pub fn states(scene: &Scene, system: &System, state: &ContactState) -> Vec<Vec<f64>> {
+    let phase = |state: ContactState| Phase { state, steps: 1 };
+    let start = scene.start_contacts.iter().copied().collect();
+    let phases = [
+        phase(start),
+        phase(ContactState::default()),
+        phase(state.clone()),
+    ];
+    let (from, to) = (
+        system.start(scene),
+        keyframes(scene, system, &phases).swap_remove(3),
+    );
+    let Some(base_to) = to.first_chunk::<7>() else {
+        return vec![to];
+    };
+    let at = |(share, turn): (f64, f64)| {
+        let turn = Vector6::new(0.0, 0.0, 0.0, 0.0, 0.0, turn);
+        let mut base = Pose::from_xyzquat(base_to).plus(&turn).to_xyzquat();
+        for i in 0..3 {
+            base[i] = from[i] + share * (to[i] - from[i]);
+        }
+        let mut q = to.clone();
+        q[..7].copy_from_slice(&base);
+        q
+    };
+    STATE_GUESSES.map(at).to_vec()
 }

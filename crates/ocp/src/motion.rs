@@ -1,10 +1,11 @@
-//! From a contact sequence to a motion: keyframes, initial guess, trajectory, repair of missed collision pairs.
+//! From keyframes to a motion: trajectory, repair of missed collision pairs and of collisions between nodes.
 
-use crate::collision::{CollisionModel, ExtraClearance};
+use crate::collision::{Clearances, CollisionModel, ExtraClearance};
 use crate::guess;
 use crate::point::Point;
 use crate::problem::Trajectory;
 use crate::program::{Grid, Phase, Program, RowLabel};
+use crate::relative_motion::Relative;
 use crate::settings::{Preset, Settings};
 use crate::system::System;
 use scene::Scene;
@@ -12,10 +13,6 @@ use solver::{InteriorPoint, Iteration, Options, Problem, Report, Status, Timing}
 
 /// Rounds of solving with more collision pairs or more clearance.
 const REPAIRS: usize = 4;
-/// Configurations of a path per phase.
-const PATH_STEPS: usize = 4;
-/// Rounds of solving keyframes or a path with more collision pairs.
-const KEYFRAME_REPAIRS: usize = 3;
 /// Overlap half-way between two nodes that is tolerated [m].
 const BETWEEN_TOLERANCE: f64 = 0.002;
 /// Violation of a clearance that had no row which is tolerated [m]: a small part of every margin.
@@ -29,8 +26,6 @@ const SOLVED: f64 = 1e-6;
 /// gains its last digits slowly.
 const STATE_TOLERANCE: f64 = 1e-6;
 const STATE_DUAL_TOLERANCE: f64 = 1e-2;
-/// Largest violation of a keyframe set that still counts as possible, in the rows' own units (m, rad).
-const KEYFRAME_TOLERANCE: f64 = 1e-4;
 
 /// A problem's worst row in words.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,19 +38,6 @@ pub struct Worst {
     pub interval: usize,
     /// Violation in the label's unit.
     pub amount: f64,
-}
-
-/// Keyframes of a sequence.
-#[derive(Debug, Clone)]
-pub struct Keyframes {
-    /// One configuration per phase boundary.
-    pub nodes: Vec<Vec<f64>>,
-    /// True if all rows hold.
-    pub possible: bool,
-    /// What is violated most.
-    pub worst: Option<Worst>,
-    /// The solver's report.
-    pub report: Report,
 }
 
 /// A motion.
@@ -78,6 +60,39 @@ pub struct Motion {
     pub worst: Option<Worst>,
     /// The limit that pulls hardest against what is violated: the inequality with the largest multiplier.
     pub hardest: Option<Worst>,
+}
+
+/// How the first round is solved.
+pub(crate) struct First {
+    /// Options of the solver.
+    pub options: Options,
+    /// Multipliers of the rows.
+    pub multipliers: Option<Vec<f64>>,
+    /// Most iterations of any round.
+    pub max_iterations: usize,
+}
+
+impl First {
+    /// From a guess.
+    fn cold() -> Self {
+        Self {
+            options: Options::default(),
+            multipliers: None,
+            max_iterations: usize::MAX,
+        }
+    }
+
+    /// From a point near a solution.
+    pub fn near_solution() -> Self {
+        Self {
+            options: Options {
+                initial_barrier: REPAIR_BARRIER,
+                bound_push: REPAIR_PUSH,
+                ..Options::default()
+            },
+            ..Self::cold()
+        }
+    }
 }
 
 /// What a planner needs for one scene, made once.
@@ -105,112 +120,6 @@ impl<'a> Planner<'a> {
         })
     }
 
-    /// One configuration per phase boundary that satisfies all contacts and clearances, no statics.
-    ///
-    /// With [`Planner::keyframes_of_prefix`] the goal regions, which bind the end only, are left out.
-    pub fn keyframes(&self, phases: &[Phase], settings: &Settings) -> Keyframes {
-        self.solve_keyframes(phases, settings, Grid::Keyframes)
-    }
-
-    /// Keyframes of the beginning of a sequence: the goal need not be reached yet.
-    pub fn keyframes_of_prefix(&self, phases: &[Phase], settings: &Settings) -> Keyframes {
-        self.solve_keyframes(phases, settings, Grid::OpenKeyframes)
-    }
-
-    fn solve_keyframes(&self, phases: &[Phase], settings: &Settings, grid: Grid) -> Keyframes {
-        let none = ExtraClearance::new();
-        let nodes = guess::keyframes(self.scene, &self.system, phases);
-        let mut program = self.program(phases, settings, grid, &nodes, &none);
-        let mut point = guess::point(&program, self.scene, nodes);
-        let options = Options {
-            max_iterations: 80,
-            feasibility_tolerance: 1e-6,
-            dual_tolerance: 1e-2,
-            complementarity_tolerance: 1e-2,
-            min_barrier: 1e-6,
-            ..Options::default()
-        };
-        for round in 0.. {
-            let mut trajectory = Trajectory::new(program);
-            let structure = trajectory.structure().clone();
-            let report = InteriorPoint::new(&structure).solve(
-                &mut trajectory,
-                &mut point,
-                &options,
-                None,
-                &mut |_| true,
-            );
-            let possible = report.violation <= KEYFRAME_TOLERANCE;
-            if possible && round < KEYFRAME_REPAIRS {
-                let again = self.program(phases, settings, grid, &point.nodes, &none);
-                if violates_new_rows(&again, &point) {
-                    program = again;
-                    continue;
-                }
-            }
-            let worst = worst_row(&trajectory.program, &report, 1e-7);
-            return Keyframes {
-                nodes: point.nodes,
-                possible,
-                worst,
-                report,
-            };
-        }
-        unreachable!("the loop returns in its last round")
-    }
-
-    /// Configurations for all nodes of a motion, through a path around obstacles, or through the least violated one if none
-    /// is found.
-    pub fn guide(
-        &self,
-        phases: &[Phase],
-        settings: &Settings,
-        keyframes: &[Vec<f64>],
-    ) -> Vec<Vec<f64>> {
-        let coarse: Vec<Phase> = phases
-            .iter()
-            .map(|p| Phase {
-                state: p.state.clone(),
-                steps: PATH_STEPS,
-            })
-            .collect();
-        let nodes = guess::straight(&self.system, keyframes, PATH_STEPS);
-        let path = self.path(&coarse, settings, nodes);
-        let steps: Vec<usize> = phases.iter().map(|p| p.steps).collect();
-        guess::interpolate(&self.system, &steps, &path, PATH_STEPS)
-    }
-
-    /// A path from straight lines between keyframes.
-    fn path(&self, coarse: &[Phase], settings: &Settings, nodes: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
-        let none = ExtraClearance::new();
-        let mut program = self.program(coarse, settings, Grid::Path, &nodes, &none);
-        let mut point = guess::point(&program, self.scene, nodes);
-        let options = Options {
-            max_iterations: 60,
-            feasibility_tolerance: 1e-4,
-            dual_tolerance: 1e-1,
-            complementarity_tolerance: 1e-1,
-            min_barrier: 1e-5,
-            ..Options::default()
-        };
-        for _ in 0..=KEYFRAME_REPAIRS {
-            let mut trajectory = Trajectory::new(program);
-            let structure = trajectory.structure().clone();
-            let report = InteriorPoint::new(&structure).solve(
-                &mut trajectory,
-                &mut point,
-                &options,
-                None,
-                &mut |_| true,
-            );
-            program = self.program(coarse, settings, Grid::Path, &point.nodes, &none);
-            if report.violation > KEYFRAME_TOLERANCE || !violates_new_rows(&program, &point) {
-                break;
-            }
-        }
-        point.nodes
-    }
-
     /// Optimises the motion of a sequence from its keyframes; `observe` sees every iteration and may stop it.
     pub fn motion(
         &self,
@@ -221,19 +130,33 @@ impl<'a> Planner<'a> {
     ) -> Motion {
         let nodes = self.guide(phases, settings, keyframes);
         let none = ExtraClearance::new();
-        let program = self.program(phases, settings, Grid::Motion, &nodes, &none);
+        let program = self.program(phases, settings, Grid::Motion, near(&nodes, &none));
         let point = guess::point(&program, self.scene, nodes);
-        self.optimise(phases, program, point, false, observe)
+        self.optimise(phases, program, point, First::cold(), observe)
     }
 
-    /// Solves a program, again with more collision pairs or clearance where the motion collides; `warm` if the point is
-    /// near a solution.
+    /// The same from a relative ([`Motion::relative`]) if that leads to a motion; `None` if it does not, or if the two share
+    /// too little.
+    pub fn motion_from(
+        &self,
+        phases: &[Phase],
+        settings: &Settings,
+        relative: &Relative,
+        observe: &mut dyn FnMut(&Iteration) -> bool,
+    ) -> Option<Motion> {
+        let (program, point, first) = self.start_from(phases, settings, relative)?;
+        let motion = self.optimise(phases, program, point, first, observe);
+        let ended = motion.feasible || motion.report.status == Status::Interrupted;
+        ended.then_some(motion)
+    }
+
+    /// Solves a program, again with more collision pairs or clearance where the motion collides.
     pub(crate) fn optimise(
         &self,
         phases: &[Phase],
         mut program: Program,
         mut point: Point,
-        warm: bool,
+        mut first: First,
         observe: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Motion {
         let settings = &program.settings.clone();
@@ -242,14 +165,12 @@ impl<'a> Planner<'a> {
         for round in 0.. {
             let mut trajectory = Trajectory::new(program);
             let structure = trajectory.structure().clone();
-            let mut options = Options {
-                max_iterations: settings.max_iterations,
-                ..Options::default()
+            let mut options = if round == 0 {
+                first.options.clone()
+            } else {
+                First::near_solution().options
             };
-            if warm || round > 0 {
-                options.initial_barrier = REPAIR_BARRIER;
-                options.bound_push = REPAIR_PUSH;
-            }
+            options.max_iterations = settings.max_iterations.min(first.max_iterations);
             if trajectory.program.has_velocities() {
                 options.feasibility_tolerance = STATE_TOLERANCE;
                 options.dual_tolerance = STATE_DUAL_TOLERANCE;
@@ -258,7 +179,7 @@ impl<'a> Planner<'a> {
                 &mut trajectory,
                 &mut point,
                 &options,
-                None,
+                first.multipliers.take().as_deref(),
                 observe,
             );
             iterations += report.iterations;
@@ -273,7 +194,8 @@ impl<'a> Planner<'a> {
                         &point.nodes,
                         &mut extra,
                     );
-                let again = self.program(phases, settings, Grid::Motion, &point.nodes, &extra);
+                let again =
+                    self.program(phases, settings, Grid::Motion, near(&point.nodes, &extra));
                 if between || violates_new_rows(&again, &point) {
                     program = again;
                     continue;
@@ -321,8 +243,7 @@ impl<'a> Planner<'a> {
         phases: &[Phase],
         settings: &Settings,
         grid: Grid,
-        near: &[Vec<f64>],
-        extra: &ExtraClearance,
+        clearances: Clearances<'_>,
     ) -> Program {
         Program::new(
             self.scene,
@@ -331,10 +252,14 @@ impl<'a> Planner<'a> {
             phases,
             settings,
             grid,
-            near,
-            extra,
+            clearances,
         )
     }
+}
+
+/// The pairs that come near at these configurations.
+pub(crate) fn near<'a>(nodes: &'a [Vec<f64>], extra: &'a ExtraClearance) -> Clearances<'a> {
+    Clearances::Near { nodes, extra }
 }
 
 /// True if a point violates clearance rows of a program.

@@ -5,7 +5,7 @@
 
 use crate::collision::ExtraClearance;
 use crate::guess::Curve;
-use crate::motion::{Motion, Planner};
+use crate::motion::{First, Motion, Planner, near};
 use crate::point::Point;
 use crate::program::{Grid, Phase};
 use crate::settings::{Integrator, Settings};
@@ -89,7 +89,7 @@ impl Planner<'_> {
             ..settings.clone()
         };
         let none = ExtraClearance::new();
-        let program = self.program(&finer, &settings, Grid::Motion, &nodes, &none);
+        let program = self.program(&finer, &settings, Grid::Motion, near(&nodes, &none));
         if !program.has_velocities() {
             let first = nodes[0].clone();
             nodes[1].copy_from_slice(&first);
@@ -101,6 +101,6 @@ impl Planner<'_> {
             velocities,
             durations: durations.clone(),
         };
-        self.optimise(&finer, program, point, true, observe)
+        self.optimise(&finer, program, point, First::near_solution(), observe)
     }
 }

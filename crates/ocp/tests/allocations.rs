@@ -10,7 +10,7 @@ use solver::{ElementData, Problem};
 
 #[test]
 fn moving_and_evaluating_allocate_nothing() {
-    for grid in [Grid::Motion, Grid::Path, Grid::Keyframes] {
+    for grid in [Grid::Motion, Grid::Path, Grid::Keyframes, Grid::State] {
         for preset in [Preset::Default, Preset::Paper] {
             let (mut trajectory, x) = program(3, grid, preset);
             let structure = trajectory.structure().clone();

@@ -21,6 +21,10 @@ pub struct Options {
     pub refinements: usize,
     /// Relative distance kept from bounds at the start.
     pub bound_push: f64,
+    /// Share of the row violation that the first step is asked to remove.
+    pub first_damping: f64,
+    /// Share of the distance by which relaxed bounds of violated rows move to their true place per iteration.
+    pub tightening: f64,
     /// Wall time limit [s].
     pub time_limit: f64,
     /// Stop when this many iterations hardly moved and did not lower the violation; 0: never.
@@ -39,6 +43,8 @@ impl Default for Options {
             row_regularisation: 1e-7,
             refinements: 3,
             bound_push: 1e-2,
+            first_damping: 0.25,
+            tightening: 0.25,
             time_limit: f64::INFINITY,
             stall_iterations: 15,
         }

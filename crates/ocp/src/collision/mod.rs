@@ -6,11 +6,13 @@
 
 mod cover;
 mod pairs;
+mod watch;
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use cover::{corners, cover, parts};
 pub use pairs::Pair;
+pub use watch::Watched;
 
 use crate::program::{Grid, Phase, Program};
 use crate::relative::{Body, Carrier, RelativeFrame};
@@ -18,7 +20,7 @@ use crate::system::System;
 use crate::terms::distance::{Ball, Obstacle, Part, bounding_ball};
 use multibody::Kinematics;
 use nalgebra::Vector3;
-use scene::{Owner, PlacedShape, Role, Scene, Shape};
+use scene::{Interface, Owner, PlacedShape, Role, Scene, Shape};
 use spatial::Pose;
 
 /// Joints between a link and the root of its limb from which on it swings about: knees, shins, feet, forearms, hands.
@@ -36,6 +38,20 @@ pub type Other = Result<usize, usize>;
 
 /// More clearance for a pair at a node [m], where the way between two nodes would collide.
 pub type ExtraClearance = BTreeMap<(usize, usize, Other), f64>;
+
+/// What decides which pairs of bodies get clearance rows.
+#[derive(Debug, Clone, Copy)]
+pub enum Clearances<'a> {
+    /// Those that come near in one configuration per node, some with more clearance.
+    Near {
+        /// Configurations of the system.
+        nodes: &'a [Vec<f64>],
+        /// More clearance.
+        extra: &'a ExtraClearance,
+    },
+    /// Those that an earlier solution has violated.
+    Watched(&'a Watched),
+}
 
 /// A primitive that balls avoid.
 #[derive(Debug, Clone)]
@@ -92,6 +108,10 @@ pub struct CollisionModel {
     points: Vec<Vec<Ball>>,
     /// The same for the boxes of torso, thighs, shins and forearms, against objects and the environment.
     link_points: Vec<Vec<Ball>>,
+    /// Rows that keyframes can have.
+    rows: Vec<watch::Row>,
+    /// Pairs of bodies that some contact could bring together.
+    touchable: BTreeSet<Touch>,
 }
 
 impl CollisionModel {
@@ -143,8 +163,11 @@ impl CollisionModel {
             feet: carries(Role::Foot),
             points: penalty_points(scene, system),
             link_points: link_parts.iter().map(|p| link_penalty_points(p)).collect(),
+            rows: vec![],
+            touchable: Self::find_touchable(scene, system),
         };
         model.self_pairs = model.find_self_pairs(scene, system);
+        model.rows = model.find_rows();
         model
     }
 
@@ -232,27 +255,9 @@ impl CollisionModel {
         let reach = if program.grid == Grid::Motion { 2 } else { 1 };
         for i in t.saturating_sub(reach)..=t.min(n - 1) {
             for contact in &phases[program.phase_of(i)].state.contacts {
-                let (a, b) = (
-                    &scene.interfaces[contact.a.0],
-                    &scene.interfaces[contact.b.0],
-                );
-                let Body::Joint(joint) =
-                    program.system.carrier(a.owner, &a.body_from_interface).body
-                else {
-                    continue;
-                };
-                let other = match (
-                    b.owner,
-                    program.system.carrier(b.owner, &b.body_from_interface).body,
-                ) {
-                    (Owner::Static(s), _) => Err(s),
-                    (_, Body::Joint(j)) => Ok(j),
-                    (_, Body::World) => continue,
-                };
-                out.insert((joint, other));
-                if let Ok(j) = other {
-                    out.insert((j, Ok(joint)));
-                }
+                let interface = |i: symbolic::InterfaceId| &scene.interfaces[i.0];
+                let (a, b) = (interface(contact.a), interface(contact.b));
+                out.extend(touches(&program.system, a, b));
             }
         }
         out
@@ -339,20 +344,21 @@ impl CollisionModel {
 
     /// Bodies that the start contacts of a scene bring together.
     pub fn start_touches(scene: &Scene, system: &System) -> Vec<Touch> {
-        let mut out = Vec::new();
-        for contact in &scene.start_contacts {
-            let (a, b) = (
-                &scene.interfaces[contact.a.0],
-                &scene.interfaces[contact.b.0],
-            );
-            let body = |i: &scene::Interface| system.carrier(i.owner, &i.body_from_interface).body;
-            match (body(a), b.owner, body(b)) {
-                (Body::Joint(j), Owner::Static(s), _) => out.push((j, Err(s))),
-                (Body::Joint(j), _, Body::Joint(k)) => out.extend([(j, Ok(k)), (k, Ok(j))]),
-                _ => {}
-            }
-        }
-        out
+        let interface = |i: symbolic::InterfaceId| &scene.interfaces[i.0];
+        let contacts = scene.start_contacts.iter();
+        contacts
+            .flat_map(|c| touches(system, interface(c.a), interface(c.b)))
+            .collect()
+    }
+}
+
+/// The bodies that a contact of `a` on `b` brings together, each way round where both move.
+fn touches(system: &System, a: &Interface, b: &Interface) -> Vec<Touch> {
+    let body = |i: &Interface| system.carrier(i.owner, &i.body_from_interface).body;
+    match (body(a), b.owner, body(b)) {
+        (Body::Joint(j), Owner::Static(s), _) => vec![(j, Err(s))],
+        (Body::Joint(j), _, Body::Joint(k)) => vec![(j, Ok(k)), (k, Ok(j))],
+        _ => vec![],
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Ball, CollisionModel, ExtraClearance, Other, Primitive, SelfPair};
+use super::{Ball, Clearances, CollisionModel, ExtraClearance, Other, Primitive, SelfPair};
 use crate::program::{Grid, Phase, Program};
 use crate::settings::Preset;
 use crate::terms::PoseTerm;
@@ -20,7 +20,7 @@ const WINDOW: f64 = 2.0;
 /// Configurations looked at on either side.
 const WINDOW_SAMPLES: usize = 2;
 /// What the smooth least distance may fall short of the true one where a keyframe must not be rejected [m].
-const BLUR: f64 = 1.4 * EVENNESS;
+pub(super) const BLUR: f64 = 1.4 * EVENNESS;
 /// Clearance demanded at a contact of the same bodies, beside what its row says there, and its growth per sixteenth of a
 /// phase away from it [m].
 const RAMP: (f64, f64) = (-0.002, 0.008);
@@ -67,8 +67,24 @@ impl At<'_> {
 }
 
 impl CollisionModel {
-    /// All pairs that get rows, given one guide configuration per node.
+    /// All pairs that get rows.
     pub fn pairs(
+        &self,
+        program: &Program,
+        scene: &Scene,
+        phases: &[Phase],
+        clearances: Clearances<'_>,
+    ) -> Vec<Pair> {
+        match clearances {
+            Clearances::Near { nodes, extra } => {
+                self.near_pairs(program, scene, phases, nodes, extra)
+            }
+            Clearances::Watched(watched) => self.watched_pairs(program, watched),
+        }
+    }
+
+    /// Pairs that come near in one guide configuration per node.
+    fn near_pairs(
         &self,
         program: &Program,
         scene: &Scene,
@@ -97,7 +113,7 @@ impl CollisionModel {
                     (WINDOW / here).round().max(1.0) as usize
                 }
                 Grid::Path => 1,
-                Grid::Keyframes | Grid::OpenKeyframes => 0,
+                Grid::Keyframes | Grid::OpenKeyframes | Grid::State => 0,
             };
             let samples = WINDOW_SAMPLES.min(width);
             let mut nodes: Vec<usize> = (1..=samples)
@@ -202,7 +218,10 @@ impl CollisionModel {
         other: Other,
         at: &At<'_>,
     ) -> f64 {
-        if matches!(program.grid, Grid::Keyframes | Grid::OpenKeyframes) {
+        if matches!(
+            program.grid,
+            Grid::Keyframes | Grid::OpenKeyframes | Grid::State
+        ) {
             return -BLUR;
         }
         let margins = &program.settings.margins;
@@ -267,8 +286,7 @@ impl CollisionModel {
                 continue;
             }
             for b in 0..self.parts.len() {
-                let near =
-                    a == b || self.neighbours[a].contains(&b) || at.touches(a, Ok(b));
+                let near = a == b || self.neighbours[a].contains(&b) || at.touches(a, Ok(b));
                 if near {
                     continue;
                 }
@@ -303,7 +321,7 @@ impl CollisionModel {
                 continue;
             }
             let clearance = match program.grid {
-                Grid::Keyframes | Grid::OpenKeyframes => -BLUR,
+                Grid::Keyframes | Grid::OpenKeyframes | Grid::State => -BLUR,
                 _ => program
                     .settings
                     .margins

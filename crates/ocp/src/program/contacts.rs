@@ -79,6 +79,9 @@ impl Builder<'_> {
                 self.touch_rows(t, contact, frame);
             }
             let p = &mut self.program;
+            if p.grid == Grid::State {
+                continue;
+            }
             if here && p.nodes[t + 1].var.is_some() && p.intervals[t].moves {
                 if by_velocity {
                     self.slip_rows(t, contact, frame);

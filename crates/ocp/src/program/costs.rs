@@ -41,7 +41,8 @@ impl Builder<'_> {
             if p.nodes[t].var.is_none() || p.master_node(t) != t {
                 continue;
             }
-            let is_last = last == Some(t);
+            let ends = !matches!(p.grid, Grid::OpenKeyframes | Grid::State);
+            let is_last = ends && last == Some(t);
             let share = p.share[p.intervals[t.min(p.intervals.len() - 1)].phase];
             p.nodes[t].posture = if is_last {
                 w.final_posture

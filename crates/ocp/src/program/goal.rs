@@ -16,7 +16,7 @@ impl Builder<'_> {
         let n = self.program.n_intervals();
         let node = self.program.master_node(n);
         let element = node.min(n - 1);
-        if self.program.grid == Grid::OpenKeyframes {
+        if matches!(self.program.grid, Grid::OpenKeyframes | Grid::State) {
             return;
         }
         for region in &self.scene.goal_regions {

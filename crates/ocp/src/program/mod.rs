@@ -23,7 +23,7 @@ mod node;
 mod rows;
 mod variables;
 
-use crate::collision::{CollisionModel, ExtraClearance};
+use crate::collision::{Clearances, CollisionModel};
 use crate::relative::RelativeFrame;
 use crate::settings::{Preset, Settings};
 use crate::system::System;
@@ -33,9 +33,7 @@ use solver::Structure;
 use symbolic::ContactState;
 
 pub use goal::goal_body;
-pub use interval::{
-    Force, ForceRows, IntegratorRows, Interval, OnRobot, Slip, Stick, Touch,
-};
+pub use interval::{Force, ForceRows, IntegratorRows, Interval, OnRobot, Slip, Stick, Touch};
 pub use label::{RowLabel, Subject};
 pub use node::{Node, NodeCost, NodeTerm};
 
@@ -57,6 +55,9 @@ pub enum Grid {
     Keyframes,
     /// The same without the goal regions, for the beginning of a sequence.
     OpenKeyframes,
+    /// One configuration that satisfies the contacts of a phase, wherever they are; the first node is only what it stays
+    /// near.
+    State,
     /// A path: several configurations per phase, with the clearances of a motion and no dynamics.
     Path,
 }
@@ -129,8 +130,7 @@ fn shares(settings: &Settings, grid: Grid, steps: &[usize]) -> Vec<f64> {
 }
 
 impl Program {
-    /// The program of a contact sequence; node configurations `near` (one per node) choose which collision pairs are
-    /// worth a row; `extra` raises clearances.
+    /// The program of a contact sequence; `clearances` says which collision pairs are worth a row.
     #[allow(clippy::too_many_arguments)] // the parts of a problem; one caller in this crate
     pub fn new(
         scene: &Scene,
@@ -139,14 +139,13 @@ impl Program {
         phases: &[Phase],
         settings: &Settings,
         grid: Grid,
-        near: &[Vec<f64>],
-        extra: &ExtraClearance,
+        clearances: Clearances<'_>,
     ) -> Self {
         let steps: Vec<usize> = phases
             .iter()
             .map(|p| match grid {
                 Grid::Motion | Grid::Path => p.steps,
-                Grid::Keyframes | Grid::OpenKeyframes => 1,
+                Grid::Keyframes | Grid::OpenKeyframes | Grid::State => 1,
             })
             .collect();
         let n = steps.iter().sum::<usize>();
@@ -192,7 +191,7 @@ impl Program {
         }
         builder.approaches(phases);
         builder.goal();
-        builder.clearances(collisions, phases, near, extra);
+        builder.clearances(collisions, phases, clearances);
         builder.layout();
         builder.program.labels = builder.labels.into_iter().flatten().collect();
         builder.program

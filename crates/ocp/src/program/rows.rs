@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::label::label;
 use super::{Builder, NodeCost, NodeTerm, Phase, RowLabel, Subject};
-use crate::collision::{CollisionModel, ExtraClearance};
+use crate::collision::{Clearances, CollisionModel};
 use crate::settings::Preset;
 use crate::terms::PoseTerm;
 use solver::BlockStructure;
@@ -44,17 +44,16 @@ impl Builder<'_> {
         });
     }
 
-    /// Rows (or, with the preset `paper`, costs) of the collision pairs that are near.
+    /// Rows (or, with the preset `paper`, costs) of collision pairs.
     pub(super) fn clearances(
         &mut self,
         collisions: &CollisionModel,
         phases: &[Phase],
-        near: &[Vec<f64>],
-        extra: &ExtraClearance,
+        clearances: Clearances<'_>,
     ) {
         let n = self.program.n_intervals();
         let paper = self.program.settings.preset == Preset::Paper;
-        let pairs = collisions.pairs(&self.program, self.scene, phases, near, extra);
+        let pairs = collisions.pairs(&self.program, self.scene, phases, clearances);
         for pair in pairs {
             let key = (
                 usize::MAX - 1 - pair.a,

@@ -159,6 +159,7 @@ fn programs_with_velocities_as_unknowns_match_central_differences() {
 fn the_keyframe_program_matches_central_differences() {
     for seed in 0..4 {
         check(seed, Grid::Keyframes, Preset::Default);
+        check(seed, Grid::State, Preset::Default);
     }
 }
 

@@ -1,4 +1,5 @@
 //! Tests of the trajectory problem as a whole.
 mod derivatives;
+mod keyframes;
 mod paper;
 mod scenes;

@@ -248,7 +248,7 @@ pub fn program_with(
     let mut random = Random::new(seed + 5);
     let n: usize = match grid {
         Grid::Motion | Grid::Path => 8,
-        Grid::Keyframes | Grid::OpenKeyframes => 3,
+        Grid::Keyframes | Grid::OpenKeyframes | Grid::State => 3,
     };
     let start = system.start(&scene);
     let mut nodes = vec![start.clone()];
@@ -272,8 +272,10 @@ pub fn program_with(
         &phases,
         &settings,
         grid,
-        &nodes,
-        &std::collections::BTreeMap::default(),
+        ocp::collision::Clearances::Near {
+            nodes: &nodes,
+            extra: &std::collections::BTreeMap::default(),
+        },
     );
     let wrenches = program
         .intervals

@@ -9,12 +9,9 @@ use crate::barrier::{Bounded, push_inside};
 use crate::filter::Filter;
 use crate::{Options, Problem};
 
-/// Share of the distance by which relaxed bounds of violated rows move to their true place per iteration.
-const TIGHTENING: f64 = 0.25;
 /// Relaxation that is given up in one go [scaled rows].
 const CLOSE: f64 = 1e-3;
-/// Share of the row violation that a step is asked to remove: at first, and at least.
-const FIRST_DAMPING: f64 = 0.25;
+/// Least share of the row violation that a step is asked to remove.
 const MIN_DAMPING: f64 = 0.1;
 /// Violation below which steps ask for all of it.
 const FULL_STEP: f64 = 1e-3;
@@ -127,7 +124,7 @@ impl State {
             goal_lower,
             goal_upper,
             y,
-            damping: FIRST_DAMPING,
+            damping: options.first_damping,
             mu,
             monotone: false,
             progress: Progress::default(),
@@ -207,12 +204,13 @@ impl State {
             self.slacks.value[i],
         );
         let (mut new_l, mut new_u) = (l, u);
+        let share = self.options.tightening;
         if l < self.goal_lower[i] {
             let full = self.goal_lower[i] - l;
             new_l = if full < CLOSE {
                 self.goal_lower[i]
             } else {
-                l + TIGHTENING * full
+                l + share * full
             };
         }
         if u > self.goal_upper[i] {
@@ -220,7 +218,7 @@ impl State {
             new_u = if full < CLOSE {
                 self.goal_upper[i]
             } else {
-                u - TIGHTENING * full
+                u - share * full
             };
         }
         if new_l != l || new_u != u {

@@ -1,0 +1,239 @@
+//! Pairs that keyframes watch: only those that an earlier solution has violated get rows.
+//!
+//! Most pairs never matter for a keyframe, and with none at all the problem is a relaxation: what fails without them fails
+//! with them.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use super::pairs::BLUR;
+use super::{Ball, CollisionModel, Other, Pair, Part, Primitive, SelfPair, Touch, touches};
+use crate::program::{Grid, Phase, Program};
+use crate::system::System;
+use crate::terms::PoseTerm;
+use crate::terms::distance::{Distance, EVENNESS, Obstacle, bounding_ball};
+use multibody::Kinematics;
+use scene::{Interface, Owner, Scene};
+use spatial::Pose;
+use symbolic::{Contact, ContactState};
+
+/// Violation from which on a pair is watched [m].
+const VIOLATED: f64 = 1e-5;
+
+/// Nodes and rows that get a place in the program.
+pub type Watched = BTreeSet<(usize, usize)>;
+
+/// Clearance of one body from one primitive or link, whatever the node.
+#[derive(Debug, Clone)]
+pub(super) struct Row {
+    /// Joint that carries the balls.
+    a: usize,
+    /// Joint that carries the obstacle; `None` for the world.
+    b: Option<usize>,
+    /// The pair that may touch; `None` for links of the robot.
+    touch: Option<Touch>,
+    term: Arc<Distance>,
+    /// A ball around the obstacle, in the frame of b; `None` if it is unbounded.
+    bound: Option<Ball>,
+    /// Distance of bounding balls from which on the row cannot be violated [m].
+    blur: f64,
+}
+
+impl CollisionModel {
+    /// All rows that a keyframe can have.
+    pub(super) fn find_rows(&self) -> Vec<Row> {
+        let mut out = Vec::new();
+        for (a, balls) in self.balls.iter().enumerate() {
+            for primitive in &self.primitives {
+                let other: Option<Other> = primitive.joint.map(Ok).or(primitive.body.map(Err));
+                let (false, true, Some(other)) =
+                    (balls.is_empty(), primitive.joint != Some(a), other)
+                else {
+                    continue;
+                };
+                out.push(row(
+                    (a, primitive.joint),
+                    Some((a, other)),
+                    balls,
+                    (primitive.obstacle.clone(), primitive.from_body),
+                    bound_of(primitive),
+                ));
+            }
+        }
+        for &SelfPair { a, b, .. } in &self.self_pairs {
+            let parts = Obstacle::Parts(self.parts[b].clone());
+            out.push(row(
+                (a, Some(b)),
+                None,
+                &self.balls[a],
+                (parts, Pose::identity()),
+                Some(self.bounds[b]),
+            ));
+        }
+        out
+    }
+
+    /// Pairs of bodies whose interfaces could touch.
+    pub(super) fn find_touchable(scene: &Scene, system: &System) -> BTreeSet<Touch> {
+        let interfaces = &scene.interfaces;
+        let on_robot = |i: &Interface| matches!(i.owner, Owner::Robot { .. });
+        let mut out = BTreeSet::new();
+        for a in interfaces.iter().filter(|a| a.lands) {
+            for b in interfaces
+                .iter()
+                .filter(|b| !on_robot(b) && b.owner != a.owner)
+            {
+                out.extend(touches(system, a, b));
+            }
+        }
+        out
+    }
+
+    /// Rows of objects that stand on the same surface in one of the two phases at a node: once inside one another, nothing
+    /// would part them again.
+    pub fn watch_objects(
+        &self,
+        scene: &Scene,
+        system: &System,
+        phases: &[Phase],
+        watched: &mut Watched,
+    ) {
+        let on = |state: &ContactState, o: usize| {
+            let owner = |c: &Contact| scene.interfaces[c.a.0].owner;
+            let mut on = state.iter().filter(|c| owner(c) == Owner::Object(o));
+            on.next().map(|c| c.b)
+        };
+        for (index, row) in self.rows.iter().enumerate() {
+            let object = |joint: usize| joint.checked_sub(system.n_robot_joints);
+            let (Some(a), Some(b)) = (object(row.a), row.b.and_then(object)) else {
+                continue;
+            };
+            for (t, phase) in phases.iter().enumerate() {
+                let support = on(&phase.state, a);
+                if support.is_some() && support == on(&phase.state, b) {
+                    watched.extend([(t, index), (t + 1, index)]);
+                }
+            }
+        }
+    }
+
+    /// Adds the rows whose bodies are nearer than `near` [m] at one configuration per node; true if a new one is violated.
+    #[allow(clippy::too_many_arguments)] // a program, a point and what to look for
+    pub fn watch(
+        &self,
+        program: &Program,
+        scene: &Scene,
+        phases: &[Phase],
+        nodes: &[Vec<f64>],
+        near: f64,
+        watched: &mut Watched,
+    ) -> bool {
+        let model = &program.system.model;
+        let mut kinematics = Kinematics::new(model);
+        let mut is_new = false;
+        for (t, q) in nodes.iter().enumerate() {
+            if program.nodes[t].var.is_none() {
+                continue;
+            }
+            let here;
+            let touching = if program.grid == Grid::State {
+                &self.touchable
+            } else {
+                here = Self::touching(scene, program, phases, t);
+                &here
+            };
+            kinematics.update(model, q);
+            for (index, row) in self.rows.iter().enumerate() {
+                if row.touch.is_some_and(|pair| touching.contains(&pair)) {
+                    continue;
+                }
+                let distance = self.distance(row, &kinematics, near);
+                if distance < near - BLUR {
+                    is_new |= watched.insert((t, index)) && distance < -VIOLATED - BLUR;
+                }
+            }
+        }
+        is_new
+    }
+
+    /// Distance of a row's bodies [m]; infinite if it is more than `near` for sure.
+    fn distance(&self, row: &Row, kinematics: &Kinematics, near: f64) -> f64 {
+        let world_from_a = &kinematics.world_from_joint[row.a];
+        let (centre, radius) = self.bounds[row.a];
+        if let Some((other, other_radius)) = row.bound {
+            let a = world_from_a.act(centre);
+            let b = row
+                .b
+                .map_or(other, |b| kinematics.world_from_joint[b].act(other));
+            let reach = radius + other_radius + row.blur + near;
+            if (a - b).norm_squared() > reach * reach {
+                return f64::INFINITY;
+            }
+        }
+        let b_from_a = match row.b {
+            Some(b) => kinematics.world_from_joint[b].inverse() * *world_from_a,
+            None => *world_from_a,
+        };
+        let mut value = [f64::NAN];
+        row.term.values(&b_from_a, &mut value);
+        value[0]
+    }
+
+    /// The rows as pairs for the program.
+    pub(super) fn watched_pairs(&self, program: &Program, watched: &Watched) -> Vec<Pair> {
+        let pair = |&(node, index): &(usize, usize)| {
+            let row = &self.rows[index];
+            Pair {
+                node,
+                a: row.a,
+                b: row.b,
+                term: row.term.clone(),
+            }
+        };
+        let free = |(t, _): &&(usize, usize)| program.nodes[*t].var.is_some();
+        watched.iter().filter(free).map(pair).collect()
+    }
+}
+
+fn row(
+    (a, b): (usize, Option<usize>),
+    touch: Option<Touch>,
+    balls: &[Ball],
+    (obstacle, obstacle_from_b): (Obstacle, Pose),
+    bound: Option<Ball>,
+) -> Row {
+    let pairs = match &obstacle {
+        Obstacle::Parts(parts) => balls.len() * parts.len(),
+        _ => balls.len(),
+    };
+    Row {
+        a,
+        b,
+        touch,
+        term: Arc::new(Distance::new(
+            balls.to_vec(),
+            obstacle,
+            obstacle_from_b,
+            -BLUR,
+        )),
+        bound,
+        blur: EVENNESS * (pairs as f64).ln(),
+    }
+}
+
+/// A ball around a primitive, in the frame of its body.
+fn bound_of(primitive: &Primitive) -> Option<Ball> {
+    let body_from_primitive = primitive.from_body.inverse();
+    match &primitive.obstacle {
+        Obstacle::Box(half) => Some((body_from_primitive.origin(), half.norm())),
+        Obstacle::HalfSpace => None,
+        Obstacle::Parts(parts) => {
+            let around = |part: &Part| match part {
+                Part::Ball(centre, radius) => (*centre, *radius),
+                Part::Box(part_from_b, half) => (part_from_b.inverse().origin(), half.norm()),
+            };
+            let (centre, radius) = bounding_ball(&parts.iter().map(around).collect::<Vec<_>>());
+            Some((body_from_primitive.act(centre), radius))
+        }
+    }
+}

@@ -1,0 +1,325 @@
+//! Keyframes: are there configurations that satisfy the contacts? Three checks, each a relaxation of the next.
+//!
+//! - [`Planner::state`]: one configuration with the contacts of a state, wherever objects and contacts are.
+//! - [`Planner::transition`]: one configuration with the contacts of two neighbouring states. At the boundary of two phases
+//!   both hold, and what holds there holds before and after it: a transition is as possible as the union of its states.
+//! - [`Planner::keyframes`]: one configuration per phase boundary of a sequence from the start, contact places and object
+//!   poses tied across phases, goal regions at the end; [`Planner::keyframes_of_prefix`] without the goal.
+//!
+//! Only geometry, joint limits and clearances count, no statics, so that what a motion can do passes. A state's configuration
+//! may be any of its phase, next to any other state: bodies that some contact of the scene could bring together need no
+//! clearance in it.
+//!
+//! Source: formulation, section 5.
+
+use crate::collision::{Clearances, ExtraClearance, Watched};
+use crate::guess;
+use crate::motion::{Planner, Worst, near, worst_row};
+use crate::problem::Trajectory;
+use crate::program::{Grid, Phase, Program};
+use crate::settings::{Preset, Settings};
+use solver::{InteriorPoint, Iteration, Options, Problem, Report};
+use symbolic::ContactState;
+
+/// Rounds of solving with more collision pairs.
+const ROUNDS: usize = 8;
+/// Distance below which pairs get a row once one is violated, and in a guess [m].
+const NEAR: f64 = 0.02;
+const GUESS_NEAR: f64 = 0.1;
+/// Iterations after which the violation must have fallen by this share.
+const PATIENCE: usize = 12;
+const PROGRESS: f64 = 0.1;
+/// Phases that are solved together for a guess.
+const WINDOW: usize = 3;
+/// Largest violation of a keyframe set that still counts as possible, in the rows' own units (m, rad).
+pub(crate) const KEYFRAME_TOLERANCE: f64 = 1e-4;
+
+/// Keyframes of a sequence.
+#[derive(Debug, Clone)]
+pub struct Keyframes {
+    /// One configuration per phase boundary.
+    pub nodes: Vec<Vec<f64>>,
+    /// True if all rows hold.
+    pub possible: bool,
+    /// What is violated most.
+    pub worst: Option<Worst>,
+    /// The solver's report of the last round.
+    pub report: Report,
+    /// Iterations of all rounds.
+    pub iterations: usize,
+}
+
+impl Planner<'_> {
+    /// One configuration that satisfies the contacts of a state. Its nodes: what the solver started from, and the result.
+    pub fn state(&self, state: &ContactState, settings: &Settings) -> Keyframes {
+        let phases = [Phase {
+            state: state.clone(),
+            steps: 1,
+        }];
+        let ask = Ask::new(self, &phases, settings, Grid::State);
+        let solve = |from: &Vec<f64>| ask.solve(vec![from.clone(); 2], Watched::new()).0;
+        let guesses = guess::states(self.scene, &self.system, state);
+        let mut best = solve(&guesses[0]);
+        for from in &guesses[1..] {
+            if best.possible {
+                break;
+            }
+            best = less_violated(best, solve(from));
+        }
+        best
+    }
+
+    /// One configuration that satisfies the contacts of two neighbouring states.
+    pub fn transition(
+        &self,
+        before: &ContactState,
+        after: &ContactState,
+        settings: &Settings,
+    ) -> Keyframes {
+        let both = before.iter().chain(after.iter()).collect();
+        self.state(&both, settings)
+    }
+
+    /// One configuration per phase boundary that satisfies all contacts and clearances, no statics.
+    ///
+    /// With [`Planner::keyframes_of_prefix`] the goal regions, which bind the end only, are left out.
+    pub fn keyframes(&self, phases: &[Phase], settings: &Settings) -> Keyframes {
+        Ask::new(self, phases, settings, Grid::Keyframes).answer()
+    }
+
+    /// Keyframes of the beginning of a sequence: the goal need not be reached yet.
+    pub fn keyframes_of_prefix(&self, phases: &[Phase], settings: &Settings) -> Keyframes {
+        Ask::new(self, phases, settings, Grid::OpenKeyframes).answer()
+    }
+}
+
+/// One question about configurations.
+pub(crate) struct Ask<'a> {
+    planner: &'a Planner<'a>,
+    phases: &'a [Phase],
+    settings: &'a Settings,
+    grid: Grid,
+    /// Short steps: slower, with other local minima.
+    careful: bool,
+}
+
+impl<'a> Ask<'a> {
+    /// Keyframes of these phases.
+    pub fn new(
+        planner: &'a Planner<'a>,
+        phases: &'a [Phase],
+        settings: &'a Settings,
+        grid: Grid,
+    ) -> Self {
+        Self {
+            planner,
+            phases,
+            settings,
+            grid,
+            careful: false,
+        }
+    }
+
+    /// Solves from a guess from the sequence alone, then from one that was solved boundary by boundary, at last with short
+    /// steps, no pull to the home posture at the end and, if clearances resist, with those of all that is near the guess from
+    /// the beginning: once a link is inside something, its row may lead out on the wrong side.
+    fn answer(&self) -> Keyframes {
+        let guess = guess::keyframes(self.planner.scene, &self.planner.system, self.phases);
+        let (first, first_rows) = self.solve(guess.clone(), Watched::new());
+        if first.possible {
+            return first;
+        }
+        let (nodes, watched) = self.forward(guess.clone());
+        let (second, second_rows) = self.solve(nodes, watched);
+        let best = less_violated(first, second);
+        if best.possible {
+            return best;
+        }
+        let resist = !first_rows.is_empty() || !second_rows.is_empty();
+        let near = if resist {
+            self.near(&guess)
+        } else {
+            Watched::new()
+        };
+        let mut settings = self.settings.clone();
+        settings.weights.final_posture = settings.weights.posture;
+        let careful = Ask {
+            careful: true,
+            settings: &settings,
+            ..*self
+        };
+        less_violated(best, careful.solve(guess, near).0)
+    }
+
+    /// Rows of all that is near at these configurations.
+    fn near(&self, nodes: &[Vec<f64>]) -> Watched {
+        let Planner {
+            scene, collisions, ..
+        } = self.planner;
+        let mut watched = Watched::new();
+        if self.settings.preset == Preset::Default {
+            let program = self.first_program(nodes, &watched);
+            collisions.watch(
+                &program,
+                scene,
+                self.phases,
+                nodes,
+                GUESS_NEAR,
+                &mut watched,
+            );
+        }
+        watched
+    }
+
+    /// The answer from another first configuration than the scene's start; `None` if it is no.
+    pub fn answer_from(&self, first: &[f64]) -> Option<Keyframes> {
+        let start = std::iter::once(first.to_vec());
+        let nodes = start
+            .chain(self.phases.iter().map(|_| first.to_vec()))
+            .collect();
+        let (nodes, watched) = self.forward(nodes);
+        let found = self.solve(nodes, watched).0;
+        found.possible.then_some(found)
+    }
+
+    /// A guess from solving a few phases at a time, each time from the first boundary of the time before.
+    fn forward(&self, mut nodes: Vec<Vec<f64>>) -> (Vec<Vec<f64>>, Watched) {
+        let n = self.phases.len();
+        let mut watched = Watched::new();
+        for k in 0..n {
+            let end = (k + WINDOW).min(n);
+            let grid = if end == n {
+                self.grid
+            } else {
+                Grid::OpenKeyframes
+            };
+            let part = Ask {
+                phases: &self.phases[k..end],
+                grid,
+                ..*self
+            };
+            let (found, rows) = part.solve(nodes[k..=end].to_vec(), Watched::new());
+            nodes[k..=end].clone_from_slice(&found.nodes);
+            watched.extend(rows.iter().map(|&(t, row)| (t + k, row)));
+            if end == n {
+                break;
+            }
+        }
+        (nodes, watched)
+    }
+
+    /// Solves with the clearances of some pairs (none at first), then with those too that turn out to be violated; says
+    /// which these were.
+    fn solve(&self, nodes: Vec<Vec<f64>>, mut watched: Watched) -> (Keyframes, Watched) {
+        let planner = self.planner;
+        let watches = self.settings.preset == Preset::Default;
+        if watches && self.grid != Grid::State {
+            let (scene, system) = (planner.scene, &planner.system);
+            let model = &planner.collisions;
+            model.watch_objects(scene, system, self.phases, &mut watched);
+        }
+        let mut program = self.first_program(&nodes, &watched);
+        let mut point = guess::point(&program, planner.scene, nodes);
+        let mut iterations = 0;
+        for round in 0.. {
+            let mut trajectory = Trajectory::new(program);
+            let structure = trajectory.structure().clone();
+            let mut stagnation = Stagnation::default();
+            let report = InteriorPoint::new(&structure).solve(
+                &mut trajectory,
+                &mut point,
+                &self.options(),
+                None,
+                &mut |i| stagnation.goes_on(i),
+            );
+            iterations += report.iterations;
+            let possible = report.violation <= KEYFRAME_TOLERANCE;
+            let solved = &trajectory.program;
+            let (scene, phases) = (planner.scene, self.phases);
+            let model = &planner.collisions;
+            if watches
+                && possible
+                && round < ROUNDS
+                && model.watch(solved, scene, phases, &point.nodes, NEAR, &mut watched)
+            {
+                let clearances = Clearances::Watched(&watched);
+                program = planner.program(phases, self.settings, self.grid, clearances);
+                continue;
+            }
+            let keyframes = Keyframes {
+                worst: worst_row(solved, &report, 1e-7),
+                nodes: point.nodes,
+                possible,
+                report,
+                iterations,
+            };
+            return (keyframes, watched);
+        }
+        unreachable!("the loop returns in its last round")
+    }
+
+    fn options(&self) -> Options {
+        let lone = self.grid == Grid::State;
+        let optimality = if lone { f64::INFINITY } else { 1e-2 };
+        let swift = if self.careful {
+            Options::default()
+        } else {
+            Options {
+                initial_barrier: 1e-3,
+                first_damping: 1.0,
+                tightening: 0.8,
+                ..Options::default()
+            }
+        };
+        Options {
+            max_iterations: 80,
+            feasibility_tolerance: if lone { 0.5 * KEYFRAME_TOLERANCE } else { 1e-6 },
+            dual_tolerance: optimality,
+            complementarity_tolerance: optimality,
+            min_barrier: 1e-6,
+            ..swift
+        }
+    }
+
+    /// With the preset `paper` the penalties of what is near the guess make it avoid obstacles.
+    fn first_program(&self, nodes: &[Vec<f64>], watched: &Watched) -> Program {
+        let none = ExtraClearance::new();
+        let clearances = if self.settings.preset == Preset::Paper && self.grid != Grid::State {
+            near(nodes, &none)
+        } else {
+            Clearances::Watched(watched)
+        };
+        self.planner
+            .program(self.phases, self.settings, self.grid, clearances)
+    }
+}
+
+fn less_violated(a: Keyframes, b: Keyframes) -> Keyframes {
+    if b.possible || b.report.violation < a.report.violation {
+        b
+    } else {
+        a
+    }
+}
+
+/// Ends a solve whose violation has stopped falling.
+#[derive(Default)]
+struct Stagnation {
+    /// Least violation, and the iteration at which it had last fallen clearly.
+    best: Option<(f64, usize)>,
+}
+
+impl Stagnation {
+    fn goes_on(&mut self, iteration: &Iteration) -> bool {
+        let (violation, number) = (iteration.violation, iteration.number);
+        match self.best {
+            Some((best, since)) if violation > (1.0 - PROGRESS) * best => {
+                best <= KEYFRAME_TOLERANCE || number < since + PATIENCE
+            }
+            _ => {
+                self.best = Some((violation, number));
+                true
+            }
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! Keyframe checks and warm starts on sequences of the repository.
+
+use ocp::{Phase, Planner, Preset, Settings};
+use scene::{Scene, SequenceFile};
+use spatial::Pose;
+use std::path::Path;
+
+/// Scene, phases and options of a sequence file.
+fn sequence(name: &str) -> (Scene, Vec<Phase>, Settings) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/sequences");
+    let file = SequenceFile::load(folder.join(name)).expect("a sequence of the repository");
+    let mut scene = file.load_scene().expect("its scene");
+    let sequence = file.resolve(&scene).expect("names of the scene");
+    if let Some(goal) = &sequence.goal {
+        scene.goal_contacts.clone_from(&goal.contacts);
+        scene.goal_regions.clone_from(&goal.regions);
+    }
+    let phase = |p: &scene::SequencePhase| Phase {
+        state: p.state.clone(),
+        steps: 8,
+    };
+    let settings = Settings::new(Preset::Default, &scene.optimiser);
+    let phases = sequence.phases.iter().map(phase).collect();
+    (scene, phases, settings)
+}
+
+/// All of a sequence that has a plan passes: every state, transition and beginning, and the whole.
+fn all_pass(name: &str) {
+    let (scene, phases, settings) = sequence(name);
+    let planner = Planner::new(&scene).expect("a model");
+    for (k, phase) in phases.iter().enumerate() {
+        let state = planner.state(&phase.state, &settings);
+        assert!(state.possible, "{name}: state {k}: {:?}", state.worst);
+        let beginning = planner.keyframes_of_prefix(&phases[..=k], &settings);
+        let worst = &beginning.worst;
+        assert!(beginning.possible, "{name}: beginning {k}: {worst:?}");
+    }
+    for pair in phases.windows(2) {
+        let both = planner.transition(&pair[0].state, &pair[1].state, &settings);
+        assert!(both.possible, "{name}: transition: {:?}", both.worst);
+    }
+    let whole = planner.keyframes(&phases, &settings);
+    assert!(whole.possible, "{name}: {:?}", whole.worst);
+}
+
+#[test]
+fn small_sequences_with_a_plan_pass_all_checks() {
+    for name in [
+        "boxes/squeeze.toml",
+        "flat/forward_2.toml",
+        "flat/one_leg.toml",
+        "stairs/up_one.toml",
+        "support/lean.toml",
+        "yardstick/fixed.toml",
+        "yardstick/green_fixed.toml",
+    ] {
+        all_pass(name);
+    }
+}
+
+#[test]
+#[ignore = "slow: 10 s"]
+fn long_sequences_with_a_plan_pass_all_checks() {
+    for name in [
+        "boxes/pick_place.toml",
+        "boxes/squeeze_carry.toml",
+        "flat/turn_left.toml",
+        "stairs/up_down.toml",
+        "stairs/up_three.toml",
+        "yardstick/green_step.toml",
+        "yardstick/two_box.toml",
+    ] {
+        all_pass(name);
+    }
+}
+
+#[test]
+fn a_wall_of_a_metre_is_out_of_reach_for_state_transition_and_sequence() {
+    let (scene, phases, settings) = sequence("stairs/wall.toml");
+    let planner = Planner::new(&scene).expect("a model");
+    assert!(!planner.state(&phases[2].state, &settings).possible);
+    let [before, after] = [&phases[1].state, &phases[2].state];
+    assert!(!planner.transition(before, after, &settings).possible);
+    let sequence = planner.keyframes(&phases, &settings);
+    assert!(!sequence.possible && sequence.worst.is_some());
+    assert!(
+        !planner
+            .keyframes_of_prefix(&phases[..3], &settings)
+            .possible
+    );
+    assert!(
+        planner
+            .keyframes_of_prefix(&phases[..2], &settings)
+            .possible
+    );
+}
+
+#[test]
+fn the_box_on_the_other_side_is_out_of_reach_of_a_hand_in_the_sequence_only() {
+    let (scene, phases, settings) = sequence("boxes/wrong_hand.toml");
+    let planner = Planner::new(&scene).expect("a model");
+    // Some robot may stand somewhere, and the box lie anywhere on its table: a lone state knows no start.
+    assert!(planner.state(&phases[1].state, &settings).possible);
+    assert!(!planner.keyframes(&phases, &settings).possible);
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "slow without optimisation")]
+fn a_motion_starts_the_same_sequence_with_the_box_moved_in_half_the_iterations() {
+    let (scene, phases, settings) = sequence("boxes/squeeze.toml");
+    let solve = |scene: &Scene| {
+        let planner = Planner::new(scene).expect("a model");
+        let keyframes = planner.keyframes(&phases, &settings);
+        planner.motion(&phases, &settings, &keyframes.nodes, &mut |_| true)
+    };
+    let relative = solve(&scene).relative();
+    assert_eq!(relative.shared_phases(&phases), phases.len());
+    let mut moved = scene.clone();
+    let shift = Pose::from_translation(0.02, 0.0, 0.0);
+    moved.objects[0].world_from_start = shift * moved.objects[0].world_from_start;
+    let cold = solve(&moved);
+    let planner = Planner::new(&moved).expect("a model");
+    let warm = planner.motion_from(&phases, &settings, &relative, &mut |_| true);
+    let warm = warm.expect("a motion");
+    assert!(cold.feasible && warm.feasible);
+    assert!(
+        2 * warm.iterations <= cold.iterations,
+        "cold {}, warm {}",
+        cold.iterations,
+        warm.iterations
+    );
+    let difference = (warm.report.objective - cold.report.objective).abs();
+    assert!(difference < 0.01 * cold.report.objective);
+    assert_eq!(warm.point.nodes[0], planner.system.start(&moved));
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "slow without optimisation")]
+fn a_beginning_starts_the_longer_sequence_and_a_stranger_starts_nothing() {
+    let (scene, phases, settings) = sequence("yardstick/step.toml");
+    let planner = Planner::new(&scene).expect("a model");
+    let beginning = &phases[..phases.len() - 2];
+    let keyframes = planner.keyframes_of_prefix(beginning, &settings);
+    let shorter = planner.motion(beginning, &settings, &keyframes.nodes, &mut |_| true);
+    assert!(shorter.feasible);
+    let relative = shorter.relative();
+    let longer = planner.motion_from(&phases, &settings, &relative, &mut |_| true);
+    assert!(longer.expect("a motion").feasible);
+    let stranger = &phases[1..];
+    let none = planner.motion_from(stranger, &settings, &relative, &mut |_| true);
+    assert!(none.is_none(), "not one phase is shared");
+}
