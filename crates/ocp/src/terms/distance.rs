@@ -62,10 +62,11 @@ pub enum Part {
 
 impl Part {
     /// Distance of a point, Euclidean to a ball, to the farthest-out face of a box [m].
+    #[inline]
     pub fn rough_distance(&self, p: &Vector3<f64>) -> f64 {
         match self {
             Self::Ball(centre, radius) => (p - centre).norm() - radius,
-            Self::Box(pose, half) => (pose.act(*p).abs() - half).max(),
+            Self::Box(pose, half) => farthest_out(&pose.act(*p), half),
         }
     }
 
@@ -156,6 +157,13 @@ fn level(d: f64) -> (f64, f64, f64) {
     }
 }
 
+/// Distance of p to the farthest-out face of a box.
+#[inline]
+fn farthest_out(p: &Vector3<f64>, half: &Vector3<f64>) -> f64 {
+    let out = |i: usize| p[i].abs() - half[i];
+    out(0).max(out(1)).max(out(2))
+}
+
 /// Smooth box distance at p and the weights of the six faces.
 fn faces(p: &Vector3<f64>, half: &Vector3<f64>) -> (Soft, [f64; 6]) {
     let faces: [f64; 6] = std::array::from_fn(|i| {
@@ -165,7 +173,7 @@ fn faces(p: &Vector3<f64>, half: &Vector3<f64>) -> (Soft, [f64; 6]) {
             -p[i - 3] - half[i - 3]
         }
     });
-    let largest = faces.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let largest = farthest_out(p, half);
     let weights = faces.map(|d| {
         let far = (d - largest) / SHARPNESS;
         if far >= 0.0 {
@@ -213,7 +221,7 @@ impl Obstacle {
     /// A lower bound of the distance of a point to a part that is cheap, and no more than ε ln 6 below it.
     fn rough_distance(&self, part: usize, p: &Vector3<f64>) -> f64 {
         match self {
-            Self::Box(half) => (p.abs() - half).max(),
+            Self::Box(half) => farthest_out(p, half),
             Self::HalfSpace => p.z,
             Self::Parts(parts) => parts[part].rough_distance(p),
         }
