@@ -104,7 +104,10 @@ fn entries(options: &BenchOptions) -> Result<Vec<Entry>, Failure> {
         }
         let file = SequenceFile::load(&path)?;
         let scene = file.load_scene()?;
-        let sequence = file.resolve(&scene)?;
+        let mut sequence = file.resolve(&scene)?;
+        if let Some(steps) = options.steps {
+            sequence.phases.iter_mut().for_each(|p| p.steps = steps);
+        }
         entries.push(Entry {
             name,
             scene,
