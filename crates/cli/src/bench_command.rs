@@ -106,7 +106,9 @@ fn entries(options: &BenchOptions) -> Result<Vec<Entry>, Failure> {
         let scene = file.load_scene()?;
         let mut sequence = file.resolve(&scene)?;
         if let Some(steps) = options.steps {
-            sequence.phases.iter_mut().for_each(|p| p.steps = steps);
+            for phase in &mut sequence.phases {
+                phase.steps = steps;
+            }
         }
         entries.push(Entry {
             name,

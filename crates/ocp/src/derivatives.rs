@@ -17,7 +17,9 @@ impl Trajectory {
             column[j..].fill(0.0);
         }
         self.motion_derivatives(x, t, y, out);
-        self.pose_sums.iter_mut().flatten().for_each(PoseSum::clear);
+        for sum in self.pose_sums.iter_mut().flatten() {
+            sum.clear();
+        }
         let program = &self.program;
         let interval = &program.intervals[t];
         let s = &mut self.scratch;

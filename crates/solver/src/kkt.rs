@@ -284,7 +284,9 @@ fn weighted_gram(
 ) {
     let m = weights.len();
     if m * n >= DENSE_BLOCK {
-        weights.iter_mut().for_each(|w| *w = w.sqrt());
+        for w in weights.iter_mut() {
+            *w = w.sqrt();
+        }
         for (to, from) in scaled.chunks_exact_mut(m).zip(jacobian.chunks_exact(m)) {
             for ((to, from), w) in to.iter_mut().zip(from).zip(&*weights) {
                 *to = from * w;
