@@ -6,6 +6,7 @@
 
 mod api;
 mod domain;
+mod explain;
 mod export;
 mod quality;
 mod refine;
@@ -16,6 +17,7 @@ mod summary;
 pub use api::{Attempt, Error, Event, Found, Outcome, Reached, Request};
 pub use domain::{domain, graph};
 pub use ocp::{Integrator, Preset, Refinement};
+pub use plan::Explanation;
 pub use quality::{Margin, Peak, Quality, Residuals, Swing};
 pub use refine::Refined;
 pub use search::plan;

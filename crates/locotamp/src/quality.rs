@@ -206,7 +206,10 @@ fn forces(scene: &Scene, motion: &Motion, series: &Series) -> (Peak, Peak) {
         wrench.fixed_rows::<3>(0).into_owned()
     };
     for t in 0..series.dt.len().saturating_sub(1) {
-        let (before, after) = (&program.intervals[t].forces, &program.intervals[t + 1].forces);
+        let (before, after) = (
+            &program.intervals[t].forces,
+            &program.intervals[t + 1].forces,
+        );
         let time = series.time[t + 1];
         let same = |force: &ocp::Force, others: &[ocp::Force]| {
             others.iter().position(|o| o.contact == force.contact)
@@ -257,7 +260,10 @@ fn swings(scene: &Scene, motion: &Motion) -> Vec<Swing> {
             if !held(t) && held(t - 1) {
                 start = Some(t);
             } else if let (true, Some(from)) = (held(t), start) {
-                let apex = z[from..=t].iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                let apex = z[from..=t]
+                    .iter()
+                    .copied()
+                    .fold(f64::NEG_INFINITY, f64::max);
                 found.push(Swing {
                     interface: interface.name.clone(),
                     phase: program.phase_of(from),
@@ -289,9 +295,13 @@ fn margins(scene: &Scene, motion: &Motion, series: &Series) -> Vec<Margin> {
                 .map(|j| row[j.idx_v].abs() / limit(j))
         }))
     };
-    let range = smallest(motion.point.nodes.iter().flat_map(|q| {
-        joints().map(|j| (q[j.idx_q] - j.lower).min(j.upper - q[j.idx_q]))
-    }))
+    let range = smallest(
+        motion
+            .point
+            .nodes
+            .iter()
+            .flat_map(|q| joints().map(|j| (q[j.idx_q] - j.lower).min(j.upper - q[j.idx_q]))),
+    )
     .filter(|room| room.is_finite());
     let (friction, pressure) = contact_shares(scene, motion);
     let share = |name, demanded, reached| Margin {

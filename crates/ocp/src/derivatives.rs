@@ -194,7 +194,9 @@ impl Trajectory {
             let (scale, jacobian) = (&program.dynamics_scale, &mut out.jacobians[0]);
             match &states {
                 Some(layout) => s.chain.state_rows(&s.hessian, layout, scale, jacobian),
-                None => s.chain.rows(&s.hessian, here, next, &layout, scale, jacobian),
+                None => s
+                    .chain
+                    .rows(&s.hessian, here, next, &layout, scale, jacobian),
             }
             if program.momentum {
                 let kinematics = [&self.nodes[t].kinematics, &self.nodes[t + 1].kinematics];

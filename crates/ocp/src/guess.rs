@@ -248,7 +248,9 @@ pub fn interpolate(
     path: &[Vec<f64>],
     path_steps: usize,
 ) -> Vec<Vec<f64>> {
-    let times: Vec<f64> = (0..path.len()).map(|i| i as f64 / path_steps as f64).collect();
+    let times: Vec<f64> = (0..path.len())
+        .map(|i| i as f64 / path_steps as f64)
+        .collect();
     let curve = Curve::new(system, &times, path);
     let mut out = vec![path[0].clone()];
     for (phase, &count) in steps.iter().enumerate() {

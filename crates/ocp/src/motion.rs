@@ -5,6 +5,7 @@ use crate::guess;
 use crate::point::Point;
 use crate::problem::Trajectory;
 use crate::program::{Grid, Phase, Program, RowLabel};
+use crate::resistance::{Pull, pulls, violations};
 use crate::settings::{Preset, Settings};
 use crate::system::System;
 use scene::Scene;
@@ -54,6 +55,10 @@ pub struct Keyframes {
     pub possible: bool,
     /// What is violated most.
     pub worst: Option<Worst>,
+    /// If they are impossible: what is violated, the worst of every constraint.
+    pub violated: Vec<Worst>,
+    /// If they are impossible: what pulls.
+    pub pulls: Vec<Pull>,
     /// The solver's report.
     pub report: Report,
 }
@@ -149,10 +154,18 @@ impl<'a> Planner<'a> {
                 }
             }
             let worst = worst_row(&trajectory.program, &report, 1e-7);
+            let (violated, pulls) = if possible {
+                (vec![], vec![])
+            } else {
+                let program = &trajectory.program;
+                (violations(program, &report, 1e-5), pulls(program, &report))
+            };
             return Keyframes {
                 nodes: point.nodes,
                 possible,
                 worst,
+                violated,
+                pulls,
                 report,
             };
         }
@@ -224,6 +237,29 @@ impl<'a> Planner<'a> {
         let program = self.program(phases, settings, Grid::Motion, &nodes, &none);
         let point = guess::point(&program, self.scene, nodes);
         self.optimise(phases, program, point, false, observe)
+    }
+
+    /// Optimises the motion of a sequence from a motion of the same contacts and intervals in a scene that differs in numbers.
+    pub fn motion_near(
+        &self,
+        phases: &[Phase],
+        settings: &Settings,
+        near: &Motion,
+        observe: &mut dyn FnMut(&Iteration) -> bool,
+    ) -> Motion {
+        let none = ExtraClearance::new();
+        let mut point = near.point.clone();
+        let program = self.program(phases, settings, Grid::Motion, &point.nodes, &none);
+        let intervals = program.intervals.iter();
+        let pairs = intervals.zip(&near.trajectory.program.intervals);
+        for ((now, before), wrench) in pairs.zip(&mut point.wrenches) {
+            for (force, known) in now.forces.iter().zip(&before.forces) {
+                for i in 0..force.n {
+                    wrench[force.first + i] *= known.scale[i] / force.scale[i];
+                }
+            }
+        }
+        self.optimise(phases, program, point, true, observe)
     }
 
     /// Solves a program, again with more collision pairs or clearance where the motion collides; `warm` if the point is

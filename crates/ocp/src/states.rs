@@ -10,7 +10,7 @@
 use crate::chain::Motion;
 use crate::difference::Difference;
 use crate::program::integrator::DISPLACEMENT_SCALE;
-use crate::program::{Interval, IntegratorRows, Program, Touch};
+use crate::program::{IntegratorRows, Interval, Program, Touch};
 use crate::relative::{Relative, RelativeFrame};
 use nalgebra::Vector6;
 use solver::ElementData;
@@ -103,12 +103,13 @@ impl At<'_> {
             }
         }
         let firsts = [interval.a, interval.b];
-        self.difference.curvature(y, |block_row, i, block_col, j, value| {
-            if let (Some(r), Some(c)) = (firsts[block_row], firsts[block_col]) {
-                let (row, col) = (r + i, c + j);
-                out.hessian[row.min(col) * n + row.max(col)] += value / DISPLACEMENT_SCALE;
-            }
-        });
+        self.difference
+            .curvature(y, |block_row, i, block_col, j, value| {
+                if let (Some(r), Some(c)) = (firsts[block_row], firsts[block_col]) {
+                    let (row, col) = (r + i, c + j);
+                    out.hessian[row.min(col) * n + row.max(col)] += value / DISPLACEMENT_SCALE;
+                }
+            });
     }
 }
 

@@ -23,7 +23,7 @@ pub struct Options {
     pub bound_push: f64,
     /// Wall time limit [s].
     pub time_limit: f64,
-    /// Stop when this many iterations hardly moved and did not lower the violation; 0: never.
+    /// Stop when this many iterations made short steps and hardly lowered the least violation; 0: never.
     pub stall_iterations: usize,
 }
 
@@ -40,7 +40,7 @@ impl Default for Options {
             refinements: 3,
             bound_push: 1e-2,
             time_limit: f64::INFINITY,
-            stall_iterations: 15,
+            stall_iterations: 10,
         }
     }
 }

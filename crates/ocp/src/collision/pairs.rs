@@ -267,8 +267,7 @@ impl CollisionModel {
                 continue;
             }
             for b in 0..self.parts.len() {
-                let near =
-                    a == b || self.neighbours[a].contains(&b) || at.touches(a, Ok(b));
+                let near = a == b || self.neighbours[a].contains(&b) || at.touches(a, Ok(b));
                 if near {
                     continue;
                 }
