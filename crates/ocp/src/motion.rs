@@ -129,6 +129,7 @@ impl<'a> Planner<'a> {
         let mut point = guess::point(&program, self.scene, nodes);
         let options = Options {
             max_iterations: 80,
+            stall_iterations: 25, // cheap, and to refuse a possible sequence is expensive
             feasibility_tolerance: 1e-6,
             dual_tolerance: 1e-2,
             complementarity_tolerance: 1e-2,
@@ -200,6 +201,7 @@ impl<'a> Planner<'a> {
         let mut point = guess::point(&program, self.scene, nodes);
         let options = Options {
             max_iterations: 60,
+            stall_iterations: 25,
             feasibility_tolerance: 1e-4,
             dual_tolerance: 1e-1,
             complementarity_tolerance: 1e-1,
