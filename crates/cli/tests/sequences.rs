@@ -35,7 +35,8 @@ fn a_sequence_becomes_a_plan_and_a_report() {
     let (code, text, errors) = solve(folder.path(), &sequence, &[]);
     assert_eq!(code, Some(0), "{text}{errors}");
     for part in [
-        "hopper, sequence: a feasible plan, 2 phases, 8 intervals",
+        "hopper, sequence: a feasible plan, 2 phases, ",
+        "from 8 intervals",
         "rise",
         "derivatives",
         "report.json",
@@ -64,6 +65,51 @@ fn a_sequence_becomes_a_plan_and_a_report() {
     assert_eq!(plan.phases.len(), 2);
     assert_eq!(plan.phases[1].action, "rise");
     assert_eq!(plan.goal_regions[0].body, "trunk", "the base by its link");
+}
+
+#[test]
+fn the_written_motion_has_fine_steps_unless_the_coarse_one_is_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let squat = repository("sequences/flat/squat.toml");
+    let flat = repository("flat.toml");
+    let run = |more: &[&str]| -> (Value, plan::Plan) {
+        let arguments = [&["solve", &flat, "--sequence", &squat, "--json", "-q"], more].concat();
+        let output = locotamp(folder.path(), &[&arguments[..], &["--out", "out"]].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", stdout(&output));
+        let plan = plan::Plan::read(folder.path().join("out/plan.json")).unwrap();
+        (serde_json::from_str(&stdout(&output)).unwrap(), plan)
+    };
+    let longest = |plan: &plan::Plan| {
+        let steps = plan.time.windows(2).map(|pair| pair[1] - pair[0]);
+        steps.fold(0.0, f64::max)
+    };
+    let (coarse, plan) = run(&["--no-refine"]);
+    assert_eq!(plan.integrator, plan::Integrator::Euler);
+    assert!(coarse["refinement"].is_null());
+    assert!(longest(&plan) > 0.02);
+    let missing = |report: &Value| {
+        report["quality"]["between_nodes"]["base_force"]
+            .as_f64()
+            .unwrap()
+    };
+    let (fine, plan) = run(&[]);
+    assert_eq!(plan.integrator, plan::Integrator::ConstantAcceleration);
+    assert_eq!(fine["refinement"]["done"], true);
+    assert!(longest(&plan) <= 0.02 + 1e-9);
+    assert!(missing(&fine) < missing(&coarse).min(1.0), "{fine}");
+    assert!(plan.extra.contains_key("quality"));
+    let (semi, plan) = run(&["--no-refine", "--integrator", "semi-implicit-euler"]);
+    assert_eq!(plan.integrator, plan::Integrator::SemiImplicitEuler);
+    assert_eq!(semi["check"]["ok"], true);
+}
+
+#[test]
+fn the_paper_has_one_integrator() {
+    let folder = tempfile::tempdir().unwrap();
+    let more = ["--preset", "paper", "--integrator", "constant-acceleration"];
+    let (code, _, errors) = solve(folder.path(), STAND, &more);
+    assert_eq!(code, Some(2), "{errors}");
+    assert!(errors.contains("explicit Euler only"), "{errors}");
 }
 
 #[test]

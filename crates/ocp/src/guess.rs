@@ -186,11 +186,15 @@ pub fn interpolate(
         .collect();
     let curve = Curve::new(system, &times, path);
     let mut out = vec![path[0].clone()];
+    // Explicit Euler from rest and to rest: the first two and the last two nodes coincide, so the first and the last phase
+    // have an interval less to move in.
     for (phase, &count) in steps.iter().enumerate() {
-        let along = |i: usize| phase as f64 + i as f64 / count as f64;
+        let late = f64::from(u8::from(phase == 0));
+        let early = f64::from(u8::from(phase + 1 == steps.len()));
+        let moving = (count as f64 - late - early).max(1.0);
+        let along = |i: usize| phase as f64 + ((i as f64 - late) / moving).clamp(0.0, 1.0);
         out.extend((1..=count).map(|i| curve.at(along(i)).0));
     }
-    // Explicit Euler from rest and to rest: the first two and the last two nodes coincide.
     let n = out.len() - 1;
     let (first, last) = (out[0].clone(), out[n].clone());
     out[1].copy_from_slice(&first);
