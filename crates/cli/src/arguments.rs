@@ -144,6 +144,9 @@ pub(crate) struct BenchOptions {
     /// End each sequence after this many seconds
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub time_limit: Option<f64>,
+    /// So many intervals in every phase, in place of the file's (to see what longer problems cost)
+    #[arg(long, value_name = "N", value_parser = count)]
+    pub steps: Option<usize>,
     /// Which trajectory problem is solved
     #[arg(long, value_enum, default_value_t = PresetName::Default)]
     pub preset: PresetName,
@@ -216,7 +219,7 @@ pub(crate) struct CheckOptions {
     #[arg(long)]
     pub strict: bool,
     /// Collision samples per interval
-    #[arg(long, value_name = "N", default_value_t = 2, value_parser = substeps)]
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = count)]
     pub substeps: usize,
     /// One JSON object on standard output
     #[arg(long)]
@@ -239,7 +242,7 @@ fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
-fn substeps(text: &str) -> Result<usize, String> {
+fn count(text: &str) -> Result<usize, String> {
     match text.parse::<usize>() {
         Ok(value @ 1..=1000) => Ok(value),
         _ => Err("expected a whole number from 1 to 1000".into()),

@@ -117,7 +117,12 @@ fn entries(options: &BenchOptions) -> Result<Vec<Entry>, Failure> {
         }
         let file = SequenceFile::load(&path)?;
         let scene = file.load_scene()?;
-        let sequence = file.resolve(&scene)?;
+        let mut sequence = file.resolve(&scene)?;
+        if let Some(steps) = options.steps {
+            for phase in &mut sequence.phases {
+                phase.steps = steps;
+            }
+        }
         let intervals: usize = sequence.phases.iter().map(|p| p.steps).sum();
         if options.max_intervals.is_some_and(|most| intervals > most) {
             continue;

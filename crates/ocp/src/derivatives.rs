@@ -14,9 +14,13 @@ impl Trajectory {
     pub(crate) fn derivatives(&mut self, x: &Point, t: usize, y: &[f64], out: &mut ElementData) {
         let n = self.program.structure.elements[t].vars.len();
         out.gradient.fill(0.0);
-        out.hessian.fill(0.0);
+        for (j, column) in out.hessian.chunks_exact_mut(n).enumerate() {
+            column[j..].fill(0.0);
+        }
         self.motion_derivatives(x, t, y, out);
-        self.pose_sums.iter_mut().flatten().for_each(PoseSum::clear);
+        for sum in self.pose_sums.iter_mut().flatten() {
+            sum.clear();
+        }
         let program = &self.program;
         let interval = &program.intervals[t];
         let s = &mut self.scratch;

@@ -110,6 +110,7 @@ pub struct Momentum {
     six: DMatrix<f64>,
     chained: DMatrix<f64>,
     square: DMatrix<f64>,
+    transposed: DMatrix<f64>,
     force_by_q: Matrix3xX<f64>,
     by_v: Vec<f64>,
     by_v_chained: Vec<f64>,
@@ -125,6 +126,7 @@ impl Momentum {
             six: DMatrix::repeat(6, nv, f64::NAN),
             chained: DMatrix::repeat(6, nv, f64::NAN),
             square: DMatrix::repeat(nv, nv, f64::NAN),
+            transposed: DMatrix::repeat(nv, nv, f64::NAN),
             force_by_q: Matrix3xX::repeat(nv, f64::NAN),
             by_v: vec![f64::NAN; nv],
             by_v_chained: vec![f64::NAN; nv],
@@ -282,24 +284,32 @@ impl Momentum {
                 },
             );
         }
-        // By the centre of mass.
+        // By the centre of mass, with (∂c/∂q_l × y_ang)·∂f/∂q_k at (l, k) and at (k, l).
         for (l, by_q) in com_by_q.column_iter().enumerate() {
             let moment = force.cross(&by_q);
             let mut column = self.six.column_mut(l);
             column += stack(&Vector3::zeros(), &moment);
-            let turned = by_q.cross(&y_ang);
-            for (k, by_k) in self.force_by_q.column_iter().enumerate() {
-                let value = dt * turned.dot(&by_k);
-                chain.qq[(l, k)] -= value;
-                chain.qq[(k, l)] -= value;
+        }
+        let columns = chain.qq.as_mut_slice().chunks_exact_mut(nv);
+        for (l, (column, force_by_l)) in columns.zip(self.force_by_q.column_iter()).enumerate() {
+            let turned = y_ang.cross(&force_by_l) * dt;
+            for (q, by_k) in column.iter_mut().zip(com_by_q.column_iter()) {
+                *q -= by_k.dot(&turned);
+            }
+            if l < at.robot.nv {
+                let turned = com_by_q.column(l).cross(&y_ang) * dt;
+                for (q, by_k) in column.iter_mut().zip(self.force_by_q.column_iter()) {
+                    *q -= turned.dot(&by_k);
+                }
             }
         }
         let hessian = self
             .com
             .hessian(at.robot, at.kinematics[0], &y_ang.cross(&force));
-        for l in 0..at.robot.nv {
-            for k in 0..at.robot.nv {
-                chain.qq[(k, l)] -= dt * hessian[(k, l)];
+        let columns = chain.qq.as_mut_slice().chunks_exact_mut(nv);
+        for (column, by_l) in columns.zip(hessian.as_slice().chunks_exact(at.robot.nv)) {
+            for (q, h) in column.iter_mut().zip(by_l) {
+                *q -= dt * h;
             }
         }
         if let Some(first) = at.layout.a {
@@ -341,25 +351,28 @@ impl Momentum {
         let [b, c] = firsts;
         let (qq, qv) = (self.derivatives.hessian_qq(), self.derivatives.hessian_qv());
         if let Some(b) = b {
-            self.square.fill(0.0);
-            let mut robot = self.square.view_mut((0, 0), (robot_nv, robot_nv));
-            robot.copy_from(qv);
-            difference.recombine_columns(&mut self.square, End::A);
+            by_speeds(&mut self.square, qv, difference, End::A);
+            self.square.transpose_to(&mut self.transposed);
             for l in 0..nv {
-                for k in l..nv {
-                    let curvature = if k < robot_nv { qq[(k, l)] } else { 0.0 };
-                    let mixed = (self.square[(k, l)] + self.square[(l, k)]) / dt;
-                    out.hessian[(b + l) * n + b + k] += curvature - mixed;
+                let column = &mut out.hessian[(b + l) * n + b..(b + l) * n + b + nv];
+                let (square, transposed) = (self.square.column(l), self.transposed.column(l));
+                let mixed = square.iter().zip(&transposed);
+                for (h, (x, y)) in column.iter_mut().zip(mixed).skip(l) {
+                    *h -= (x + y) / dt;
+                }
+                if l < robot_nv {
+                    for (h, x) in column.iter_mut().zip(&qq.column(l)).skip(l) {
+                        *h += x;
+                    }
                 }
             }
             if let Some(c) = c {
-                self.square.fill(0.0);
-                let mut robot = self.square.view_mut((0, 0), (robot_nv, robot_nv));
-                robot.copy_from(qv);
-                difference.recombine_columns(&mut self.square, End::B);
+                by_speeds(&mut self.square, qv, difference, End::B);
+                self.square.transpose_to(&mut self.transposed);
                 for l in 0..nv {
-                    for k in 0..nv {
-                        out.hessian[(b + l) * n + c + k] += self.square[(l, k)] / dt;
+                    let column = &mut out.hessian[(b + l) * n + c..(b + l) * n + c + nv];
+                    for (h, x) in column.iter_mut().zip(&self.transposed.column(l)) {
+                        *h += x / dt;
                     }
                 }
             }
@@ -430,6 +443,13 @@ impl Momentum {
             }
         }
     }
+}
+
+/// ∂²/∂q∂v of the robot chained from v to increments of one end, up to sign and dt; zero beyond the robot.
+fn by_speeds(out: &mut DMatrix<f64>, qv: &DMatrix<f64>, difference: &Difference, end: End) {
+    out.fill(0.0);
+    out.view_mut((0, 0), qv.shape()).copy_from(qv);
+    difference.recombine_columns(out, end);
 }
 
 /// Force and moment about the centre of mass on the robot, world axes.

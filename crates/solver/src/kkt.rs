@@ -149,7 +149,8 @@ impl Kkt {
             let blocks = element.blocks.iter().zip(&data.jacobians);
             for ((block, jacobian), places) in blocks.zip(&places.blocks) {
                 let (m, width) = (block.n_rows, block.cols.len());
-                if m * width == 0 {
+                // Nothing to add; not rare for rows that have levelled out.
+                if m * width == 0 || (m == 1 && jacobian.iter().all(|x| *x == 0.0)) {
                     continue;
                 }
                 let rows = &rows[block.first_row..block.first_row + m];
@@ -283,7 +284,9 @@ fn weighted_gram(
 ) {
     let m = weights.len();
     if m * n >= DENSE_BLOCK {
-        weights.iter_mut().for_each(|w| *w = w.sqrt());
+        for w in weights.iter_mut() {
+            *w = w.sqrt();
+        }
         for (to, from) in scaled.chunks_exact_mut(m).zip(jacobian.chunks_exact(m)) {
             for ((to, from), w) in to.iter_mut().zip(from).zip(&*weights) {
                 *to = from * w;
@@ -335,8 +338,15 @@ pub(crate) fn transpose_multiply(
 ) {
     for (e, (element, data)) in structure.elements.iter().zip(data).enumerate() {
         for (block, jacobian) in element.blocks.iter().zip(&data.jacobians) {
-            let rows =
-                first_row[e] + block.first_row..first_row[e] + block.first_row + block.n_rows;
+            let first = first_row[e] + block.first_row;
+            let rows = first..first + block.n_rows;
+            if block.n_rows == 1 {
+                let weight = sign * y[first];
+                for (x, &c) in jacobian.iter().zip(&block.cols) {
+                    out[element.vars[c]] += weight * x;
+                }
+                continue;
+            }
             for (column, &c) in columns(jacobian, block).zip(&block.cols) {
                 out[element.vars[c]] += sign * dot(column, &y[rows.clone()]);
             }
@@ -355,6 +365,11 @@ pub(crate) fn jacobian_multiply(
     for (e, (element, data)) in structure.elements.iter().zip(data).enumerate() {
         for (block, jacobian) in element.blocks.iter().zip(&data.jacobians) {
             let first = first_row[e] + block.first_row;
+            if block.n_rows == 1 {
+                let row = jacobian.iter().zip(&block.cols);
+                out[first] += row.map(|(j, &c)| j * x[element.vars[c]]).sum::<f64>();
+                continue;
+            }
             let out = &mut out[first..first + block.n_rows];
             for (column, &c) in columns(jacobian, block).zip(&block.cols) {
                 let xc = x[element.vars[c]];

@@ -24,21 +24,21 @@
 //! Source: ours, in place of the paper's sigmoids (eq. penalties), which exclude nothing.
 
 use super::PoseTerm;
-use super::pose_functions::{point_gradient, point_hessian, point_jacobian};
+use super::pose_functions::{point_derivatives, point_gradient};
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 use spatial::Pose;
 
-/// ε [m].
-const SHARPNESS: f64 = 0.006;
 /// η [m].
 pub const EVENNESS: f64 = 0.003;
+/// ε [m]: twice η, so that exp(−d/η) of a box needs no logarithm.
+const SHARPNESS: f64 = 2.0 * EVENNESS;
 /// d₀ and d₁ [m].
 const LEVEL: (f64, f64) = (0.06, 0.12);
 /// Balls farther away than the nearest one by more than this have no say: exp(−SEEN/η) is 1e-7 [m].
 const SEEN: f64 = 16.0 * EVENNESS;
 
-/// Share of a row below which a ball's curvature does not count.
-const LEAST_SAY: f64 = 1e-10;
+/// Rough distances of a row that are kept; those of more pairs are found twice.
+const KEPT: usize = 64;
 
 /// A primitive of b.
 #[derive(Debug, Clone)]
@@ -62,25 +62,30 @@ pub enum Part {
 
 impl Part {
     /// Distance of a point, Euclidean to a ball, to the farthest-out face of a box [m].
+    #[inline]
     pub fn rough_distance(&self, p: &Vector3<f64>) -> f64 {
         match self {
             Self::Ball(centre, radius) => (p - centre).norm() - radius,
-            Self::Box(pose, half) => (pose.act(*p).abs() - half).max(),
+            Self::Box(pose, half) => farthest_out(&pose.act(*p), half),
         }
     }
 
-    fn distance(&self, p: &Vector3<f64>) -> f64 {
+    fn soft(&self, p: &Vector3<f64>) -> Soft {
         match self {
-            Self::Ball(centre, radius) => centre_distance(&(p - centre)).0 - radius,
+            Self::Ball(centre, radius) => Soft {
+                base: centre_distance(&(p - centre)).0 - radius,
+                sum: 1.0,
+            },
             Self::Box(pose, half) => faces(&pose.act(*p), half).0,
         }
     }
 
-    fn derivatives(&self, p: &Vector3<f64>) -> (f64, Vector3<f64>, Matrix3<f64>) {
+    fn derivatives(&self, p: &Vector3<f64>) -> (Soft, Vector3<f64>, Matrix3<f64>) {
         match self {
             Self::Ball(centre, radius) => {
                 let (d, g, h) = centre_distance(&(p - centre));
-                (d - radius, g, h)
+                let base = d - radius;
+                (Soft { base, sum: 1.0 }, g, h)
             }
             Self::Box(pose, half) => {
                 let (d, g, h) = box_distance(&pose.act(*p), half);
@@ -88,6 +93,25 @@ impl Part {
                 (d, r.tr_mul(&g), r.tr_mul(&h) * r)
             }
         }
+    }
+}
+
+/// A distance base + ε ln sum [m].
+#[derive(Debug, Clone, Copy)]
+struct Soft {
+    base: f64,
+    sum: f64,
+}
+
+impl Soft {
+    fn value(self) -> f64 {
+        self.base + SHARPNESS * self.sum.ln()
+    }
+
+    /// exp((reference − distance) / η), the weight in the smooth minimum.
+    fn share(self, reference: f64) -> f64 {
+        // exp(−ε/η ln sum) with ε = 2 η
+        ((reference - self.base) / EVENNESS).exp() / (self.sum * self.sum)
     }
 }
 
@@ -99,6 +123,8 @@ pub struct Distance {
     obstacle: Obstacle,
     obstacle_from_b: Pose,
     clearance: f64,
+    /// Most by which the smooth least distance can be less than the least one [m].
+    blur: f64,
 }
 
 /// Centre [m] and radius [m].
@@ -131,8 +157,15 @@ fn level(d: f64) -> (f64, f64, f64) {
     }
 }
 
-/// Smooth box distance at p, the weights of the six faces and their sum.
-fn faces(p: &Vector3<f64>, half: &Vector3<f64>) -> (f64, [f64; 6], f64) {
+/// Distance of p to the farthest-out face of a box.
+#[inline]
+fn farthest_out(p: &Vector3<f64>, half: &Vector3<f64>) -> f64 {
+    let out = |i: usize| p[i].abs() - half[i];
+    out(0).max(out(1)).max(out(2))
+}
+
+/// Smooth box distance at p and the weights of the six faces.
+fn faces(p: &Vector3<f64>, half: &Vector3<f64>) -> (Soft, [f64; 6]) {
     let faces: [f64; 6] = std::array::from_fn(|i| {
         if i < 3 {
             p[i] - half[i]
@@ -140,7 +173,7 @@ fn faces(p: &Vector3<f64>, half: &Vector3<f64>) -> (f64, [f64; 6], f64) {
             -p[i - 3] - half[i - 3]
         }
     });
-    let largest = faces.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let largest = farthest_out(p, half);
     let weights = faces.map(|d| {
         let far = (d - largest) / SHARPNESS;
         if far >= 0.0 {
@@ -151,18 +184,21 @@ fn faces(p: &Vector3<f64>, half: &Vector3<f64>) -> (f64, [f64; 6], f64) {
             far.exp()
         }
     });
-    let sum: f64 = weights.iter().sum();
-    let blend = if sum > 1.0 { sum.ln() } else { 0.0 };
-    (largest + SHARPNESS * blend, weights, sum)
+    let soft = Soft {
+        base: largest,
+        sum: weights.iter().sum(),
+    };
+    (soft, weights)
 }
 
 /// Value, gradient and Hessian of the smooth box distance at p.
-fn box_distance(p: &Vector3<f64>, half: &Vector3<f64>) -> (f64, Vector3<f64>, Matrix3<f64>) {
-    let (d, weights, sum) = faces(p, half);
+fn box_distance(p: &Vector3<f64>, half: &Vector3<f64>) -> (Soft, Vector3<f64>, Matrix3<f64>) {
+    let (soft, weights) = faces(p, half);
+    let sum = soft.sum;
     let gradient = Vector3::from_fn(|i, _| (weights[i] - weights[i + 3]) / sum);
     let diagonal = Vector3::from_fn(|i, _| (weights[i] + weights[i + 3]) / sum);
     let hessian = (Matrix3::from_diagonal(&diagonal) - gradient * gradient.transpose()) / SHARPNESS;
-    (d, gradient, hessian)
+    (soft, gradient, hessian)
 }
 
 /// Smooth distance of two centres: √(|p|² + ε²) with ε = 1 mm, never smaller than the distance by more than it.
@@ -185,26 +221,29 @@ impl Obstacle {
     /// A lower bound of the distance of a point to a part that is cheap, and no more than ε ln 6 below it.
     fn rough_distance(&self, part: usize, p: &Vector3<f64>) -> f64 {
         match self {
-            Self::Box(half) => (p.abs() - half).max(),
+            Self::Box(half) => farthest_out(p, half),
             Self::HalfSpace => p.z,
             Self::Parts(parts) => parts[part].rough_distance(p),
         }
     }
 
     /// Distance of a point to a part.
-    fn distance(&self, part: usize, p: &Vector3<f64>) -> f64 {
+    fn soft(&self, part: usize, p: &Vector3<f64>) -> Soft {
         match self {
             Self::Box(half) => faces(p, half).0,
-            Self::HalfSpace => p.z,
-            Self::Parts(parts) => parts[part].distance(p),
+            Self::HalfSpace => Soft {
+                base: p.z,
+                sum: 1.0,
+            },
+            Self::Parts(parts) => parts[part].soft(p),
         }
     }
 
     /// Distance of a point to a part, gradient and Hessian.
-    fn derivatives(&self, part: usize, p: &Vector3<f64>) -> (f64, Vector3<f64>, Matrix3<f64>) {
+    fn derivatives(&self, part: usize, p: &Vector3<f64>) -> (Soft, Vector3<f64>, Matrix3<f64>) {
         match self {
             Self::Box(half) => box_distance(p, half),
-            Self::HalfSpace => (p.z, Vector3::z(), Matrix3::zeros()),
+            Self::HalfSpace => (self.soft(part, p), Vector3::z(), Matrix3::zeros()),
             Self::Parts(parts) => parts[part].derivatives(p),
         }
     }
@@ -219,7 +258,7 @@ impl Obstacle {
     /// Distance of a point to the nearest part [m].
     pub fn nearest(&self, p: &Vector3<f64>) -> f64 {
         (0..self.parts())
-            .map(|part| self.distance(part, p))
+            .map(|part| self.soft(part, p).value())
             .fold(f64::INFINITY, f64::min)
     }
 }
@@ -233,7 +272,9 @@ impl Distance {
         obstacle_from_b: Pose,
         clearance: f64,
     ) -> Self {
+        let pairs = (balls.len() * obstacle.parts()).max(1);
         Self {
+            blur: EVENNESS * (pairs as f64).ln(),
             bound: bounding_ball(&balls),
             balls,
             obstacle,
@@ -244,45 +285,43 @@ impl Distance {
 
     /// True if the row has levelled out whatever the details. `x` is the pose of a in the obstacle's frame.
     fn is_far(&self, x: &Pose) -> bool {
-        let pairs = (self.balls.len() * self.obstacle.parts()) as f64;
-        let blur = EVENNESS * pairs.ln();
-        self.obstacle.roughly_nearest(&x.act(self.bound.0)) - self.bound.1 > LEVEL.1 + blur
+        let nearest = self.obstacle.roughly_nearest(&x.act(self.bound.0));
+        nearest - self.bound.1 > LEVEL.1 + self.blur
     }
 
-    /// Calls `see(centre in a, centre in the obstacle's frame, radius, part)` for all pairs near enough to the nearest
-    /// one to have a say, and returns a lower bound of all distances.
-    fn near(
-        &self,
-        x: &Pose,
-        mut see: impl FnMut(f64, &Vector3<f64>, &Vector3<f64>, f64, usize),
-    ) -> f64 {
-        let parts = self.obstacle.parts();
-        let mut least = f64::INFINITY;
+    /// Lower bound of the distances of all pairs; those of the first pairs are kept in `rough`, part by part of each ball.
+    fn least(&self, x: &Pose, rough: &mut [f64; KEPT]) -> f64 {
+        let (mut least, mut pair) = (f64::INFINITY, 0);
         for (centre, radius) in &self.balls {
             let p = x.act(*centre);
-            for part in 0..parts {
-                least = least.min(self.obstacle.rough_distance(part, &p) - radius);
-            }
-        }
-        for (centre, radius) in &self.balls {
-            let p = x.act(*centre);
-            for part in 0..parts {
-                if self.obstacle.rough_distance(part, &p) - radius < least + SEEN {
-                    see(least, centre, &p, *radius, part);
+            for part in 0..self.obstacle.parts() {
+                let distance = self.obstacle.rough_distance(part, &p) - radius;
+                least = least.min(distance);
+                if let Some(kept) = rough.get_mut(pair) {
+                    *kept = distance;
                 }
+                pair += 1;
             }
         }
         least
     }
 
-    /// Smooth least distance.
-    fn smooth(&self, x: &Pose) -> f64 {
-        let mut sum = 0.0;
-        let least = self.near(x, |least, _, p, radius, part| {
-            let d = self.obstacle.distance(part, p) - radius;
-            sum += ((least - d) / EVENNESS).exp();
-        });
-        least - EVENNESS * sum.ln()
+    /// The parts near enough to a ball, which is at `p` in the obstacle's frame, to have a say.
+    fn seen(
+        &self,
+        ball: usize,
+        p: Vector3<f64>,
+        least: f64,
+        rough: &[f64; KEPT],
+    ) -> impl Iterator<Item = usize> {
+        let parts = self.obstacle.parts();
+        (0..parts).filter(move |&part| {
+            let distance = match rough.get(ball * parts + part) {
+                Some(kept) => *kept,
+                None => self.obstacle.rough_distance(part, &p) - self.balls[ball].1,
+            };
+            distance < least + SEEN
+        })
     }
 }
 
@@ -298,12 +337,23 @@ impl PoseTerm for Distance {
     }
     fn values(&self, b_from_a: &Pose, out: &mut [f64]) {
         let x = self.obstacle_from_b * *b_from_a;
-        let d = if self.is_far(&x) {
-            f64::INFINITY
-        } else {
-            self.smooth(&x)
-        };
-        out[0] = level(d).0;
+        out[0] = level(f64::INFINITY).0;
+        if self.is_far(&x) {
+            return;
+        }
+        let mut rough = [0.0; KEPT];
+        let least = self.least(&x, &mut rough);
+        if least > LEVEL.1 + self.blur {
+            return;
+        }
+        let mut sum = 0.0;
+        for (ball, (centre, radius)) in self.balls.iter().enumerate() {
+            let p = x.act(*centre);
+            for part in self.seen(ball, p, least, &rough) {
+                sum += self.obstacle.soft(part, &p).share(least + radius);
+            }
+        }
+        out[0] = level(least - EVENNESS * sum.ln()).0;
     }
     fn gradients(&self, b_from_a: &Pose, out: &mut [Vector6<f64>]) {
         self.derivatives(b_from_a, &[0.0], out);
@@ -322,22 +372,36 @@ impl PoseTerm for Distance {
         if self.is_far(&x) {
             return Matrix6::zeros();
         }
+        let mut rough = [0.0; KEPT];
+        let least = self.least(&x, &mut rough);
+        if least > LEVEL.1 + self.blur {
+            return Matrix6::zeros();
+        }
         // A row far from its bound has a vanishing multiplier and no say in the curvature.
         let curved = weights[0].abs() > 1e-9;
-        let (mut sum, mut mean) = (0.0, Vector6::zeros());
-        let (mut curvature, mut squares) = (Matrix6::zeros(), Matrix6::zeros());
-        let least = self.near(&x, |least, centre, p, radius, part| {
-            let (d, g, h) = self.obstacle.derivatives(part, p);
-            let share = ((least - d + radius) / EVENNESS).exp();
-            let gradient = point_gradient(&x, centre, &g);
-            sum += share;
-            mean += gradient * share;
-            if curved && share > LEAST_SAY {
-                let j = point_jacobian(&x, centre);
-                curvature += (j.transpose() * h * j + point_hessian(&x, centre, &g)) * share;
-                squares += gradient * gradient.transpose() * share;
+        let (mut sum, mut mean, mut curvature) = (0.0, Vector6::zeros(), Matrix6::zeros());
+        for (ball, (centre, radius)) in self.balls.iter().enumerate() {
+            let p = x.act(*centre);
+            // By the position of this ball: Σ share ∇d and Σ share (∇²d − ∇d ∇dᵀ/η).
+            let (mut by_point, mut squares) = (Vector3::zeros(), Matrix3::zeros());
+            for part in self.seen(ball, p, least, &rough) {
+                let (d, g, h) = self.obstacle.derivatives(part, &p);
+                let share = d.share(least + radius);
+                sum += share;
+                by_point += g * share;
+                squares += (h - g * g.transpose() / EVENNESS) * share;
             }
-        });
+            if by_point == Vector3::zeros() && squares == Matrix3::zeros() {
+                continue;
+            }
+            if curved {
+                let (gradient, hessian) = point_derivatives(&x, centre, &by_point, &squares);
+                mean += gradient;
+                curvature += hessian;
+            } else {
+                mean += point_gradient(&x, centre, &by_point);
+            }
+        }
         let (_, slope, bend) = level(least - EVENNESS * sum.ln());
         mean /= sum;
         gradients[0] = mean * slope;
@@ -345,7 +409,7 @@ impl PoseTerm for Distance {
             return Matrix6::zeros();
         }
         let square_of_mean = mean * mean.transpose();
-        let even = curvature / sum - (squares / sum - square_of_mean) / EVENNESS;
+        let even = curvature / sum + square_of_mean / EVENNESS;
         (even * slope + square_of_mean * bend) * weights[0]
     }
 }

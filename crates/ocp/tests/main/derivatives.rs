@@ -24,6 +24,21 @@ fn evaluate(trajectory: &mut Trajectory, x: &Point) -> Evaluation {
     }
 }
 
+/// Every entry that counts is a number.
+fn assert_written(data: &[ElementData]) {
+    for (t, d) in data.iter().enumerate() {
+        let n = d.gradient.len();
+        assert!(
+            (0..n).all(|j| d.hessian[j * n..][j..n].iter().all(|h| h.is_finite())),
+            "element {t}: Hessian has unwritten entries"
+        );
+        assert!(
+            d.jacobians.iter().flatten().all(|h| h.is_finite()),
+            "element {t}: Jacobian has unwritten entries"
+        );
+    }
+}
+
 fn check(seed: u64, grid: Grid, preset: Preset) {
     check_program(seed, program(seed, grid, preset));
 }
@@ -39,16 +54,7 @@ fn check_program(seed: u64, (mut trajectory, x): (Trajectory, Point)) {
         .sum();
     let y: Vec<f64> = (0..n_rows).map(|_| random.uniform(-1.0, 1.0)).collect();
     trajectory.linearise(&x, &y, &mut data);
-    for (t, d) in data.iter().enumerate() {
-        assert!(
-            d.hessian.iter().all(|h| h.is_finite()),
-            "element {t}: Hessian has unwritten entries"
-        );
-        assert!(
-            d.jacobians.iter().flatten().all(|h| h.is_finite()),
-            "element {t}: Jacobian has unwritten entries"
-        );
-    }
+    assert_written(&data);
     for trial in 0..400 {
         // A direction over one, two or all variables.
         let mut direction = vec![0.0; structure.n_vars];
