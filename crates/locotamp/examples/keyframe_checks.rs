@@ -39,8 +39,9 @@ impl Times {
             list.sort_by(f64::total_cmp);
             if !list.is_empty() {
                 let at = |share: f64| list[((list.len() - 1) as f64 * share) as usize];
+                let mean = list.iter().sum::<f64>() / list.len() as f64;
                 println!(
-                    "{name} {what}: {} checks, median {:.2} ms, 95 % {:.2} ms",
+                    "{name} {what}: {} checks, mean {mean:.2} ms, median {:.2} ms, 95 % {:.2} ms",
                     list.len(),
                     at(0.5),
                     at(0.95)

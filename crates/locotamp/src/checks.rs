@@ -209,4 +209,19 @@ mod tests {
         let impossible = checks.impossible();
         assert_eq!((impossible.len(), impossible[0].refused), (1, 2));
     }
+
+    #[test]
+    fn a_hand_on_the_far_side_of_a_box_is_possible_since_the_box_may_be_turned() {
+        let scene = Scene::builtin("lift-box").expect("a built-in scene");
+        let planner = Planner::new(&scene).expect("a model");
+        let settings = Settings::new(Preset::Default, &scene.optimiser);
+        let mut checks = Checks::new(&planner, &settings, Instant::now(), f64::INFINITY);
+        let crossed = [
+            ("left_foot", "ground_top"),
+            ("right_foot", "ground_top"),
+            ("right_hand", "box_left"),
+            ("box_bottom", "table_top"),
+        ];
+        assert_eq!(checks.state(&state(&scene, &crossed)), Verdict::Accept);
+    }
 }

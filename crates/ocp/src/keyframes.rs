@@ -125,8 +125,8 @@ impl<'a> Ask<'a> {
         }
     }
 
-    /// Solves from a guess from the sequence alone, then from one that was solved boundary by boundary, at last with short
-    /// steps, no pull to the home posture at the end and, if clearances resist, with those of all that is near the guess from
+    /// Solves from a guess from the sequence alone, then from one that was solved boundary by boundary, at last from both with
+    /// short steps, no pull to the home posture at the end and, if clearances resist, with those of all that is near the guess from
     /// the beginning: once a link is inside something, its row may lead out on the wrong side.
     fn answer(&self) -> Keyframes {
         let guess = guess::keyframes(self.planner.scene, &self.planner.system, self.phases);
@@ -134,18 +134,10 @@ impl<'a> Ask<'a> {
         if first.possible {
             return first;
         }
-        let (nodes, watched) = self.forward(guess.clone());
-        let (second, second_rows) = self.solve(nodes, watched);
-        let best = less_violated(first, second);
-        if best.possible {
-            return best;
-        }
+        let (forward, watched) = self.forward(guess.clone());
+        let (second, second_rows) = self.solve(forward.clone(), watched);
+        let mut best = less_violated(first, second);
         let resist = !first_rows.is_empty() || !second_rows.is_empty();
-        let near = if resist {
-            self.near(&guess)
-        } else {
-            Watched::new()
-        };
         let mut settings = self.settings.clone();
         settings.weights.final_posture = settings.weights.posture;
         let careful = Ask {
@@ -153,7 +145,18 @@ impl<'a> Ask<'a> {
             settings: &settings,
             ..*self
         };
-        less_violated(best, careful.solve(guess, near).0)
+        for nodes in [guess, forward] {
+            if best.possible {
+                break;
+            }
+            let near = if resist {
+                self.near(&nodes)
+            } else {
+                Watched::new()
+            };
+            best = less_violated(best, careful.solve(nodes, near).0);
+        }
+        best
     }
 
     /// Rows of all that is near at these configurations.
