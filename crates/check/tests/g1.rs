@@ -208,6 +208,7 @@ fn standing() -> Plan {
         ],
         goal: Vec::new(),
         goal_regions: Vec::new(),
+        explanation: None,
         phases: vec![Phase {
             duration: 1.0,
             steps,

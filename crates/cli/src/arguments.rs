@@ -119,6 +119,9 @@ pub(crate) struct SolveOptions {
     /// Leave the joint torque limits out (to see what they change)
     #[arg(long)]
     pub no_torque_limits: bool,
+    /// If there is no motion, do not look for what would give one (which takes many solves)
+    #[arg(long)]
+    pub no_explain: bool,
     /// One JSON object on standard output
     #[arg(long)]
     pub json: bool,

@@ -150,6 +150,13 @@ impl Progress {
                     1e3 * max_step
                 ));
             }
+            Event::Explaining {
+                doing,
+                solves,
+                iteration,
+            } => {
+                self.doing = format!("explaining, solve {solves}: {doing}, iteration {iteration}");
+            }
             Event::Optimised {
                 number,
                 feasible,

@@ -68,6 +68,7 @@ fn solve(
         time_limit: options.time_limit.unwrap_or(f64::INFINITY),
         integrator: options.integrator.into(),
         refinement: refinement(options.no_refine, options.refine_step),
+        explain: !options.no_explain,
         ..Request::default()
     };
     let mut progress = Progress::of_one_sequence(options.quiet);
@@ -130,6 +131,7 @@ pub(crate) fn words(status: Status) -> &'static str {
         Status::IterationLimit => "iteration limit",
         Status::Interrupted => "interrupted",
         Status::Failed => "failed",
+        Status::Contradictory => "contradictory bounds",
     }
 }
 
@@ -149,6 +151,7 @@ pub(crate) fn report(finished: &Finished) -> Value {
         "sequence": finished.sequence,
         "plan": finished.path.as_ref().map(|path| path.display().to_string()),
         "reason": solved.reason,
+        "explanation": solved.explanation,
         "seconds": solved.seconds,
         "keyframes": {
             "possible": keyframes.possible,
@@ -219,6 +222,9 @@ fn text(finished: &Finished, report: &Path) -> String {
             "keyframes"
         };
         let _ = writeln!(text, "\nno {stage}: {reason}");
+    }
+    if let Some(explanation) = &solved.explanation {
+        text += &format!("\n{}", explanation.text);
     }
     text
 }

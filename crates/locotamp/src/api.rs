@@ -25,6 +25,8 @@ pub struct Request {
     pub integrator: Integrator,
     /// The finer grid of the returned plan; `None` for the coarse one. The preset `paper` has none.
     pub refinement: Option<Refinement>,
+    /// Explain why a given sequence has no motion, and what would give it one ([`crate::solve`] only): takes many solves.
+    pub explain: bool,
 }
 
 impl Default for Request {
@@ -37,6 +39,7 @@ impl Default for Request {
             max_optimised: 200,
             integrator: Integrator::Euler,
             refinement: Some(Refinement::default()),
+            explain: false,
         }
     }
 }
@@ -86,6 +89,15 @@ pub enum Event {
     Refining {
         /// Longest interval [s].
         max_step: f64,
+    },
+    /// A changed scene is being solved, to explain why there is no motion.
+    Explaining {
+        /// What is being tried.
+        doing: String,
+        /// Number of solves so far.
+        solves: usize,
+        /// Iteration of the present one; 0 at its start.
+        iteration: usize,
     },
     /// A trajectory was optimised.
     Optimised {

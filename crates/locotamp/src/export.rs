@@ -146,6 +146,7 @@ pub fn plan(scene: &Scene, labels: &[String], motion: &mut Motion) -> Plan {
         a: robot(&a, nv),
         tau: tau.iter().map(|row| row[6..nv].to_vec()).collect(),
         object_states,
+        explanation: None,
         extra: Extra::new(),
     }
 }

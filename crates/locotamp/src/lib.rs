@@ -7,6 +7,7 @@
 mod api;
 mod checks;
 mod domain;
+mod explain;
 mod export;
 mod quality;
 mod refine;
@@ -17,6 +18,7 @@ mod summary;
 pub use api::{Attempt, Error, Event, Found, Impossible, Outcome, Reached, Request};
 pub use domain::{domain, graph};
 pub use ocp::{Integrator, Preset, Refinement};
+pub use plan::Explanation;
 pub use quality::{Margin, Peak, Quality, Residuals, Swing};
 pub use refine::Refined;
 pub use search::plan;

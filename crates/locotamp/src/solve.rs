@@ -3,8 +3,10 @@
 use std::time::Instant;
 
 use crate::api::{Error, Event, Found, Request};
+use crate::explain::{Case, Failed, explain};
 use crate::{domain, export, refine, search, summary};
 use ocp::{Keyframes, Motion, Phase, Planner};
+use plan::Explanation;
 use scene::{Scene, Sequence};
 use solver::{Status, Timing};
 use symbolic::Action;
@@ -51,6 +53,8 @@ pub struct Solved {
     pub motion: Option<MotionReport>,
     /// Why there is no plan: constraint, contact or joint, amount and phase.
     pub reason: Option<String>,
+    /// Why there is no plan and what would change that, if the request asks for it; also in the plan.
+    pub explanation: Option<Explanation>,
     /// Wall time [s].
     pub seconds: f64,
 }
@@ -98,6 +102,7 @@ pub fn solve(
         },
         motion: None,
         reason: no_keyframes(scene, &keyframes),
+        explanation: None,
         seconds: 0.0,
     };
     stopped |= !observe(&Event::Keyframes {
@@ -105,7 +110,14 @@ pub fn solve(
         possible: keyframes.possible,
         reason: solved.reason.clone(),
     });
-    if keyframes.possible {
+    let case = |failed| Case {
+        scene,
+        phases: &phases,
+        labels: &labels,
+        request,
+        failed,
+    };
+    if keyframes.possible && !stopped {
         let mut late = false;
         let motion = planner.motion(&phases, &settings, &keyframes.nodes, &mut |i| {
             stopped |= !observe(&Event::Iteration {
@@ -122,6 +134,7 @@ pub fn solve(
             (_, true) => Some(format!("time limit of {} s", request.time_limit)),
             _ => None,
         };
+        let ended_early = ended.is_some();
         solved.reason = no_motion(scene, &motion, ended);
         solved.take_motion(&motion);
         observe(&Event::Optimised {
@@ -130,9 +143,17 @@ pub fn solve(
             cost: motion.report.objective,
             reason: solved.reason.clone(),
         });
+        if request.explain && !motion.feasible && !ended_early {
+            solved.explanation = Some(explain(&case(Failed::Motion(&motion)), begin, observe));
+        }
         let (mut motion, refined) =
             refine::refine(&planner, &phases, &settings, motion, request, observe);
-        solved.best = Some(Found::of(scene, &labels, &mut motion, refined));
+        let mut found = Found::of(scene, &labels, &mut motion, refined);
+        found.plan.explanation.clone_from(&solved.explanation);
+        solved.best = Some(found);
+    } else if request.explain && !stopped {
+        let case = case(Failed::Keyframes(&keyframes));
+        solved.explanation = Some(explain(&case, begin, observe));
     }
     solved.seconds = begin.elapsed().as_secs_f64();
     Ok(solved)

@@ -53,7 +53,7 @@ pub(crate) fn body_name(scene: &Scene, system: &System, body: Result<usize, usiz
 }
 
 /// What a row speaks of: joint, contact, pair of bodies or goal.
-fn subject(scene: &Scene, worst: &Worst) -> String {
+pub(crate) fn subject(scene: &Scene, subject: Subject) -> String {
     let name = |i: symbolic::InterfaceId| scene.interfaces[i.0].name.as_str();
     let joint = |v: usize| {
         let robot = scene
@@ -73,7 +73,7 @@ fn subject(scene: &Scene, worst: &Worst) -> String {
             None => object().map_or_else(String::new, |o| o.name.clone()),
         }
     };
-    match worst.label.subject {
+    match subject {
         Subject::Coordinate(v) => joint(v),
         Subject::Contact(c) => format!("{} on {}", name(c.a), name(c.b)),
         Subject::Pair(a, b) => {
@@ -87,7 +87,8 @@ fn subject(scene: &Scene, worst: &Worst) -> String {
                 b.map_or_else(|| "the environment".into(), body)
             )
         }
-        Subject::Goal => "the goal".into(),
+        Subject::Goal(r) => scene.goal_regions[r].body.clone(),
+        Subject::Duration => "the phase".into(),
     }
 }
 
@@ -102,7 +103,7 @@ pub(crate) fn amount(scene: &Scene, worst: &Worst) -> String {
     format!(
         "{} of {}: {amount:.2e} {} off",
         label.category,
-        subject(scene, worst),
+        subject(scene, label.subject),
         label.unit
     )
 }
@@ -115,7 +116,7 @@ pub(crate) fn resistance(scene: &Scene, motion: &Motion) -> Option<String> {
         Some(h) if h.label != worst.label => format!(
             "{text}; what limits it most is the {} of {}, in phase {}",
             h.label.category,
-            subject(scene, h),
+            subject(scene, h.label.subject),
             h.phase + 1
         ),
         _ => text,

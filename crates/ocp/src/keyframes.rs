@@ -17,6 +17,7 @@ use crate::guess;
 use crate::motion::{Planner, Worst, near, worst_row};
 use crate::problem::Trajectory;
 use crate::program::{Grid, Phase, Program};
+use crate::resistance::{Pull, pulls, violations};
 use crate::settings::{Preset, Settings};
 use solver::{InteriorPoint, Iteration, Options, Problem, Report};
 use symbolic::ContactState;
@@ -43,6 +44,10 @@ pub struct Keyframes {
     pub possible: bool,
     /// What is violated most.
     pub worst: Option<Worst>,
+    /// If they are impossible: what is violated, the worst of every constraint.
+    pub violated: Vec<Worst>,
+    /// If they are impossible: what pulls.
+    pub pulls: Vec<Pull>,
     /// The solver's report of the last round.
     pub report: Report,
     /// Iterations of all rounds.
@@ -246,7 +251,14 @@ impl<'a> Ask<'a> {
                 program = planner.program(phases, self.settings, self.grid, clearances);
                 continue;
             }
+            let (violated, pulls) = if possible {
+                (vec![], vec![])
+            } else {
+                (violations(solved, &report, 1e-5), pulls(solved, &report))
+            };
             let keyframes = Keyframes {
+                violated,
+                pulls,
                 worst: worst_row(solved, &report, 1e-7),
                 nodes: point.nodes,
                 possible,
@@ -273,6 +285,7 @@ impl<'a> Ask<'a> {
         };
         Options {
             max_iterations: 80,
+            stall_iterations: 25, // cheap, and to refuse a possible sequence is expensive
             feasibility_tolerance: if lone { 0.5 * KEYFRAME_TOLERANCE } else { 1e-6 },
             dual_tolerance: optimality,
             complementarity_tolerance: optimality,

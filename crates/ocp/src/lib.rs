@@ -19,6 +19,7 @@ mod program;
 mod refine;
 mod relative;
 mod relative_motion;
+mod resistance;
 mod resting;
 mod settings;
 mod slip;
@@ -35,5 +36,6 @@ pub use program::{Force, Grid, Interval, Node, Phase, Program, RowLabel, Subject
 pub use refine::Refinement;
 pub use relative::{Body, Carrier};
 pub use relative_motion::Relative;
+pub use resistance::{Pull, pulls, violations};
 pub use settings::{Integrator, Margins, Preset, Settings, Weights};
 pub use system::System;

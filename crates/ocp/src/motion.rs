@@ -150,6 +150,29 @@ impl<'a> Planner<'a> {
         ended.then_some(motion)
     }
 
+    /// Optimises the motion of a sequence from a motion of the same contacts and intervals in a scene that differs in numbers.
+    pub fn motion_near(
+        &self,
+        phases: &[Phase],
+        settings: &Settings,
+        known: &Motion,
+        observe: &mut dyn FnMut(&Iteration) -> bool,
+    ) -> Motion {
+        let none = ExtraClearance::new();
+        let mut point = known.point.clone();
+        let program = self.program(phases, settings, Grid::Motion, near(&point.nodes, &none));
+        let intervals = program.intervals.iter();
+        let pairs = intervals.zip(&known.trajectory.program.intervals);
+        for ((now, before), wrench) in pairs.zip(&mut point.wrenches) {
+            for (force, known) in now.forces.iter().zip(&before.forces) {
+                for i in 0..force.n {
+                    wrench[force.first + i] *= known.scale[i] / force.scale[i];
+                }
+            }
+        }
+        self.optimise(phases, program, point, First::near_solution(), observe)
+    }
+
     /// Solves a program, again with more collision pairs or clearance where the motion collides.
     pub(crate) fn optimise(
         &self,

@@ -44,6 +44,7 @@ impl Planner<'_> {
         let mut point = guess::point(&program, self.scene, nodes);
         let options = Options {
             max_iterations: 60,
+            stall_iterations: 25,
             feasibility_tolerance: 1e-4,
             dual_tolerance: 1e-1,
             complementarity_tolerance: 1e-1,

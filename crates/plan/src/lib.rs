@@ -14,12 +14,14 @@
 )]
 
 mod error;
+mod explanation;
 mod file;
 mod layout;
 mod types;
 mod validate;
 
 pub use error::PlanError;
+pub use explanation::{Explanation, FailedStage, Obstacle, Pull, Remedy};
 pub use types::{
     Contact, ContactType, Dynamics, Extra, Geometry, GoalContact, GoalRegion, Integrator,
     Interface, InterfaceKind, Object, ObjectStates, Objective, Phase, Plan, Pose7, Robot, Row6,

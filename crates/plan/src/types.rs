@@ -8,6 +8,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
+use crate::Explanation;
+
 /// Keys that this version does not know, kept and written back.
 pub type Extra = Map<String, Value>;
 
@@ -78,6 +80,9 @@ pub struct Plan {
     /// Motion of the objects by name.
     #[serde(default)]
     pub object_states: BTreeMap<String, ObjectStates>,
+    /// Why the motion is infeasible, if that was asked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub explanation: Option<Explanation>,
     /// Unknown keys.
     #[serde(flatten)]
     pub extra: Extra,

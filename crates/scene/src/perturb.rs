@@ -63,16 +63,16 @@ impl Scene {
         let bounded = shapes.iter().all(|s| s.shape != Shape::HalfSpace);
         let stood_on = self.start_contacts.iter().any(|contact| {
             let owner = |i: symbolic::InterfaceId| self.interfaces[i.0].owner;
-            matches!(owner(contact.a), Owner::Robot { .. }) && owner(contact.b) == Owner::Static(body)
+            matches!(owner(contact.a), Owner::Robot { .. })
+                && owner(contact.b) == Owner::Static(body)
         });
         bounded && !stood_on
     }
 
     /// Raises a static body and what stands on it.
     fn raise(&mut self, body: usize, rise: f64) {
-        let up = |pose: &Pose| {
-            Pose::from_parts(*pose.rotation(), pose.origin() + Vector3::z() * rise)
-        };
+        let up =
+            |pose: &Pose| Pose::from_parts(*pose.rotation(), pose.origin() + Vector3::z() * rise);
         for placed in &mut self.statics[body].shapes {
             placed.body_from_shape = up(&placed.body_from_shape);
         }
@@ -149,12 +149,7 @@ mod tests {
     #[test]
     fn the_same_seed_gives_the_same_variant_and_another_one_another() {
         let scene = Scene::builtin("pick-place").unwrap();
-        let mass = |seed| {
-            scene
-                .perturbed(&Perturbation::default(), seed)
-                .objects[0]
-                .mass
-        };
+        let mass = |seed| scene.perturbed(&Perturbation::default(), seed).objects[0].mass;
         assert_eq!(mass(3), mass(3));
         assert!(mass(3) != mass(4));
     }

@@ -26,5 +26,7 @@ mod report;
 pub use interior_point::InteriorPoint;
 pub use kkt::{Diagonals, Kkt};
 pub use options::Options;
-pub use problem::{BlockStructure, ElementData, ElementStructure, Problem, Structure};
+pub use problem::{
+    BlockStructure, Contradiction, ElementData, ElementStructure, Problem, Structure,
+};
 pub use report::{Iteration, Report, Status, Timing};

@@ -27,7 +27,7 @@ pub struct Options {
     pub tightening: f64,
     /// Wall time limit [s].
     pub time_limit: f64,
-    /// Stop when this many iterations hardly moved and did not lower the violation; 0: never.
+    /// Stop when this many iterations made short steps and hardly lowered the least violation; 0: never.
     pub stall_iterations: usize,
 }
 
@@ -46,7 +46,7 @@ impl Default for Options {
             first_damping: 0.25,
             tightening: 0.25,
             time_limit: f64::INFINITY,
-            stall_iterations: 15,
+            stall_iterations: 10,
         }
     }
 }

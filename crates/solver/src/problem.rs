@@ -44,6 +44,29 @@ pub struct Structure {
     pub elements: Vec<ElementStructure>,
 }
 
+/// Bounds that no value meets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Contradiction {
+    /// A row, counted through all elements.
+    Row(usize),
+    /// A variable.
+    Variable(usize),
+}
+
+impl Structure {
+    /// The first row, else the first variable, whose lower bound is not below or at its upper one.
+    pub fn contradiction(&self) -> Option<Contradiction> {
+        let crossed = |(l, u): (&f64, &f64)| l.is_nan() || u.is_nan() || l > u;
+        let elements = self.elements.iter();
+        let row = elements
+            .flat_map(|e| e.row_lower.iter().zip(&e.row_upper))
+            .position(crossed);
+        let variable = || self.lower.iter().zip(&self.upper).position(crossed);
+        row.map(Contradiction::Row)
+            .or_else(|| variable().map(Contradiction::Variable))
+    }
+}
+
 /// Values and derivatives of one element, buffers owned by the solver.
 #[derive(Debug, Clone)]
 pub struct ElementData {

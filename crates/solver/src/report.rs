@@ -15,6 +15,8 @@ pub enum Status {
     Interrupted,
     /// No acceptable step or no factorisation was found.
     Failed,
+    /// Bounds contradict each other ([`crate::Structure::contradiction`]); nothing was done.
+    Contradictory,
 }
 
 /// One line of the iteration log.
@@ -78,6 +80,8 @@ pub struct Report {
     pub dual: f64,
     /// Multipliers of the rows, all elements concatenated.
     pub multipliers: Vec<f64>,
+    /// Multipliers of the variables' bounds, positive where the upper one pulls.
+    pub bound_multipliers: Vec<f64>,
     /// Row values at the point, all elements concatenated.
     pub rows: Vec<f64>,
     /// Factorisations, failed ones included.

@@ -128,6 +128,7 @@ fn solve(angle: f64, max_iterations: usize) -> (Report, usize, u64) {
         .collect();
     let options = Options {
         max_iterations,
+        stall_iterations: 0, // the infeasible ones are to use up their iterations
         ..Options::default()
     };
     let (mut trials, mut report) = (0, None);

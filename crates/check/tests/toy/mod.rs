@@ -333,6 +333,7 @@ impl Builder {
                 extra: Extra::new(),
             }],
             goal_regions: Vec::new(),
+            explanation: None,
             phases: self.phases(&loads),
             time: (0..=n).map(|t| t as f64 * DT).collect(),
             q: self.x.iter().map(configuration).collect(),

@@ -14,6 +14,9 @@ use solver::BlockStructure;
 use spatial::Pose;
 use symbolic::{Contact, ContactType};
 
+/// A smaller friction coefficient counts as this, so that the cone has an inside.
+const LEAST_FRICTION: f64 = 1e-4;
+
 impl Builder<'_> {
     /// Wrenches of interval `t`.
     #[allow(clippy::too_many_lines)] // one expression or layout, written down in its own order
@@ -62,6 +65,10 @@ impl Builder<'_> {
                 a.mu.min(b.mu) * margins.friction,
                 a.mu_r.min(b.mu_r) * margins.friction,
             );
+            // Without friction the cone has no inside: the tangential force is fixed at zero instead.
+            let patch = contact.kind == ContactType::UnilateralPatch;
+            let (frictionless, turns_freely) = (patch && mu <= 0.0, patch && mu_r <= 0.0);
+            let mu = mu.max(LEAST_FRICTION);
             // Blunts the tip of the cone by as much of the normal force whatever μ is.
             let epsilon = 0.015 * mu * force;
             let pressure = match a.owner {
@@ -71,12 +78,16 @@ impl Builder<'_> {
             let mut terms: Vec<Arc<dyn ForceTerm>> = Vec::new();
             match contact.kind {
                 ContactType::UnilateralPatch => {
-                    terms.push(Arc::new(Friction {
-                        mu,
-                        epsilon,
-                        scale: force,
-                    }));
-                    terms.push(Arc::new(Torsion::new(mu_r, moment)));
+                    if !frictionless {
+                        terms.push(Arc::new(Friction {
+                            mu,
+                            epsilon,
+                            scale: force,
+                        }));
+                    }
+                    if !turns_freely {
+                        terms.push(Arc::new(Torsion::new(mu_r, moment)));
+                    }
                     if let Some([x, y]) = a.half_size {
                         terms.push(Arc::new(Pressure::new(
                             [x * pressure, y * pressure],
@@ -123,21 +134,15 @@ impl Builder<'_> {
             let p = &mut self.program;
             for i in 0..n {
                 let normal = i == 2 && contact.kind == ContactType::UnilateralPatch;
-                let limit = if i < 3 && max_force.min(most).is_finite() {
+                let limit = if (frictionless && i < 2) || (turns_freely && i == 5) {
+                    0.0
+                } else if i < 3 && max_force.min(most).is_finite() {
                     max_force.min(most) / force
                 } else {
                     f64::INFINITY
                 };
-                p.structure
-                    .lower
-                    .push(if i < 3 { -limit } else { f64::NEG_INFINITY });
-                p.structure.upper.push(if normal {
-                    0.0
-                } else if i < 3 {
-                    limit
-                } else {
-                    f64::INFINITY
-                });
+                p.structure.lower.push(-limit);
+                p.structure.upper.push(if normal { 0.0 } else { limit });
             }
             let interval = &mut p.intervals[t];
             let slot = p.nodes[t].slot(frame);

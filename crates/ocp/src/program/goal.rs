@@ -19,7 +19,7 @@ impl Builder<'_> {
         if matches!(self.program.grid, Grid::OpenKeyframes | Grid::State) {
             return;
         }
-        for region in &self.scene.goal_regions {
+        for (r, region) in self.scene.goal_regions.iter().enumerate() {
             let Some(body) = goal_body(self.scene, &self.program.system, &region.body) else {
                 continue;
             };
@@ -41,7 +41,7 @@ impl Builder<'_> {
                 node,
                 frame,
                 term,
-                label("goal region", Subject::Goal, 1.0, "m"),
+                label("goal region", Subject::Goal(r), 1.0, "m"),
             );
         }
     }

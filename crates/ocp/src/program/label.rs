@@ -24,8 +24,10 @@ pub enum Subject {
     Contact(Contact),
     /// Two bodies, as indices of joints; the second one is the world if `None`.
     Pair(usize, Option<usize>),
-    /// The goal.
-    Goal,
+    /// A goal region of the scene.
+    Goal(usize),
+    /// The duration of a phase.
+    Duration,
 }
 
 /// A row label from its parts.

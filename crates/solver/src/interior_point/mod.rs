@@ -9,6 +9,7 @@
 
 mod barrier_update;
 mod best;
+mod contradiction;
 mod fixed;
 mod inertia;
 mod line_search;
@@ -118,10 +119,13 @@ impl<P: Problem> InteriorPoint<P> {
     ) -> Report {
         let begin = Instant::now();
         (self.timing, self.factorisations) = (Timing::default(), 0);
+        if self.structure.contradiction().is_some() {
+            return self.refuse(problem, x);
+        }
         let mut state = self.start(problem, x, options, warm_multipliers);
         let mut stall = Stall::new(options);
         let mut trial_x = x.clone();
-        let mut best = Best::new(x, &state.y);
+        let mut best = Best::new(x, state.multipliers());
         let mut line = Iteration::default();
         let mut errors;
         let status = loop {
@@ -131,7 +135,7 @@ impl<P: Problem> InteriorPoint<P> {
             (line.violation, line.dual) = (errors.violation, errors.dual);
             line.barrier = state.mu;
             let go_on = observe(&line);
-            best.note(errors.violation, &state.y);
+            best.note(errors.violation, state.multipliers());
             stall.push(errors.violation, line.step);
             if !self.is_finite(line.objective) {
                 break Status::Failed;
@@ -173,7 +177,8 @@ impl<P: Problem> InteriorPoint<P> {
         };
         if status != Status::Solved && best.violation() < errors.violation {
             errors.violation = best.violation();
-            best.restore(x, &mut state.y);
+            let bounds = &mut state.vars;
+            best.restore(x, [&mut state.y, &mut bounds.z_lower, &mut bounds.z_upper]);
             problem.evaluate(x, &mut self.data);
             gather_rows(&self.data, &mut self.scratch.rows);
             line.objective = self.data.iter().map(|d| d.objective).sum();
@@ -185,6 +190,7 @@ impl<P: Problem> InteriorPoint<P> {
             objective: line.objective,
             violation: errors.violation,
             dual: errors.dual,
+            bound_multipliers: state.bound_multipliers(),
             multipliers: state.y,
             rows: self.scratch.rows.clone(),
             factorisations: self.factorisations,

@@ -163,6 +163,17 @@ impl State {
         true
     }
 
+    /// Of the rows, and of the variables' lower and upper bounds.
+    pub fn multipliers(&self) -> [&[f64]; 3] {
+        [&self.y, &self.vars.z_lower, &self.vars.z_upper]
+    }
+
+    /// Multipliers of the variables' bounds, positive where the upper one pulls.
+    pub fn bound_multipliers(&self) -> Vec<f64> {
+        let (lower, upper) = (&self.vars.z_lower, &self.vars.z_upper);
+        upper.iter().zip(lower).map(|(u, l)| u - l).collect()
+    }
+
     /// Moves the bound multipliers along a step, before the values move.
     pub fn step_multipliers(&mut self, step: &Direction, alpha_dual: f64) {
         self.vars.step_multipliers(&step.dx, self.mu, alpha_dual);

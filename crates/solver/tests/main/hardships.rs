@@ -2,7 +2,7 @@
 
 use crate::programs::solve;
 use crate::samples::{Dense, INF, dense, hock_schittkowski_71};
-use solver::{InteriorPoint, Options, Problem, Report, Status};
+use solver::{Contradiction, InteriorPoint, Options, Problem, Report, Status};
 
 fn solve_with(
     mut problem: Dense,
@@ -313,4 +313,32 @@ fn a_variable_of_no_element_is_refused() {
     let mut structure = hock_schittkowski_71().structure;
     structure.n_vars = 5;
     let _ = InteriorPoint::<Dense>::new(&structure);
+}
+
+#[test]
+fn crossed_bounds_are_named_and_nothing_is_tried() {
+    let crossed_row = || {
+        dense(&[-INF], &[INF], &[(2.0, 1.0)], |x, _, out| {
+            out.objective = 0.0;
+            out.values[0] = x[0];
+            out.gradient[0] = 0.0;
+            out.jacobians[0][0] = 1.0;
+            out.hessian[0] = 0.0;
+        })
+    };
+    assert_eq!(
+        crossed_row().structure().contradiction(),
+        Some(Contradiction::Row(0))
+    );
+    let (x, report) = solve(crossed_row(), &[5.0]);
+    assert_eq!(
+        (report.status, report.iterations),
+        (Status::Contradictory, 0)
+    );
+    assert_eq!((x, report.violation), (vec![5.0], 4.0));
+    let crossed_variable = nearest([0.0; 2], [0.0, 1.0], [1.0, -1.0]);
+    let found = crossed_variable.structure().contradiction();
+    assert_eq!(found, Some(Contradiction::Variable(1)));
+    let (_, report) = solve(crossed_variable, &[0.5, 0.5]);
+    assert_eq!(report.status, Status::Contradictory);
 }

@@ -1,0 +1,132 @@
+//! Solves of changed scenes, exactly as a user would solve them.
+
+use crate::api::{Event, Request};
+use crate::search::{self, check_start};
+use ocp::{Keyframes, Motion, Phase, Planner};
+use scene::Scene;
+use solver::Iteration;
+use std::time::Instant;
+
+/// Most intervals per phase of a trial that only guides the search for a value.
+const COARSE_STEPS: usize = 6;
+/// Most iterations of such a trial: those that succeed take 20 to 70.
+const COARSE_ITERATIONS: usize = 90;
+
+/// Runs trials and counts them.
+pub(super) struct Trials<'a> {
+    phases: &'a [Phase],
+    request: &'a Request,
+    begin: Instant,
+    observe: &'a mut dyn FnMut(&Event) -> bool,
+    /// What is being tried, for the observer.
+    pub doing: String,
+    /// Number of trials so far.
+    pub solves: usize,
+    /// True once the observer or the time limit has ended it.
+    pub stopped: bool,
+}
+
+/// How much a trial solves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Effort {
+    /// Keyframes only.
+    Keyframes,
+    /// Keyframes and a motion with few intervals per phase.
+    Coarse,
+    /// Keyframes and motion as the sequence says.
+    Full,
+}
+
+/// What a trial that succeeded found: a motion, if it was asked for more than keyframes.
+pub(super) struct Success(pub Option<Box<Motion>>);
+
+impl<'a> Trials<'a> {
+    pub fn new(
+        phases: &'a [Phase],
+        request: &'a Request,
+        begin: Instant,
+        observe: &'a mut dyn FnMut(&Event) -> bool,
+    ) -> Self {
+        Self {
+            phases,
+            request,
+            begin,
+            observe,
+            doing: String::new(),
+            solves: 0,
+            stopped: false,
+        }
+    }
+
+    /// Is the sequence feasible in this scene.
+    pub fn succeeds(&mut self, scene: &Scene, effort: Effort) -> bool {
+        self.solve(scene, effort, None).is_some()
+    }
+
+    /// Solves the sequence in this scene; `None` if it is infeasible. Coarse solves may start near a motion that is known from
+    /// a scene that differs in numbers.
+    pub fn solve(
+        &mut self,
+        scene: &Scene,
+        effort: Effort,
+        near: Option<&Motion>,
+    ) -> Option<Success> {
+        let phases = self.phases;
+        self.solve_phases(scene, phases, effort, near)
+    }
+
+    /// Is the beginning of `count` phases feasible, whatever the goal.
+    pub fn prefix_succeeds(&mut self, scene: &Scene, count: usize, effort: Effort) -> bool {
+        let phases = &self.phases[..count];
+        let mut open = scene.clone();
+        open.goal_regions.clear();
+        self.solve_phases(&open, phases, effort, None).is_some()
+    }
+
+    fn solve_phases(
+        &mut self,
+        scene: &Scene,
+        phases: &[Phase],
+        effort: Effort,
+        near: Option<&Motion>,
+    ) -> Option<Success> {
+        if !self.go_on(0) {
+            return None;
+        }
+        self.solves += 1;
+        let planner = Planner::new(scene).ok()?;
+        check_start(scene, &planner).ok()?;
+        let mut settings = search::settings(scene, self.request).ok()?;
+        let mut phases = phases.to_vec();
+        if effort == Effort::Coarse {
+            settings.max_iterations = settings.max_iterations.min(COARSE_ITERATIONS);
+            for phase in &mut phases {
+                phase.steps = phase.steps.min(COARSE_STEPS);
+            }
+        }
+        let mut go_on = |i: &Iteration| self.go_on(i.number);
+        if let Some(near) = near {
+            let motion = planner.motion_near(&phases, &settings, near, &mut go_on);
+            return motion.feasible.then(|| Success(Some(Box::new(motion))));
+        }
+        let Keyframes {
+            nodes, possible, ..
+        } = planner.keyframes(&phases, &settings);
+        if !possible || effort == Effort::Keyframes {
+            return possible.then_some(Success(None));
+        }
+        let motion = planner.motion(&phases, &settings, &nodes, &mut go_on);
+        motion.feasible.then(|| Success(Some(Box::new(motion))))
+    }
+
+    fn go_on(&mut self, iteration: usize) -> bool {
+        let event = Event::Explaining {
+            doing: self.doing.clone(),
+            solves: self.solves,
+            iteration,
+        };
+        self.stopped |= !(self.observe)(&event);
+        self.stopped |= self.begin.elapsed().as_secs_f64() > self.request.time_limit;
+        !self.stopped
+    }
+}
