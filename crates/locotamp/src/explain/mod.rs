@@ -26,7 +26,7 @@ use trial::{Effort, Trials};
 use knob::Knob;
 
 /// Remedies after which the search ends.
-const ENOUGH: usize = 3;
+const ENOUGH: usize = 2;
 /// Numbers of geometry that are tried at most where configurations are possible but no motion is.
 const MOST_PLACES: usize = 4;
 /// Violations and pulls that are told.

@@ -85,6 +85,7 @@ impl Problem {
         let sequence = file.resolve(&scene).unwrap();
         let request = Request {
             explain,
+            refinement: None, // only coarse motions are explained
             ..Request::default()
         };
         solve(&scene, &sequence, &request, &mut |_| true).unwrap()
