@@ -148,7 +148,9 @@ impl Knob {
             Self::Shortest => vec![now * 0.2],
             Self::Range(..) => [0.3, 1.0].map(|d| now + direction * d).to_vec(),
             Self::Object(..) => [0.05, 0.1, 0.2].map(|d| now + direction * d).to_vec(),
-            Self::Static(..) => [0.1, 0.3, 0.6, 1.0].map(|d| now + direction * d).to_vec(),
+            Self::Static(..) => [0.1, 0.2, 0.4, 0.7, 1.0]
+                .map(|d| now + direction * d)
+                .to_vec(),
             Self::Goal(..) => [0.1, 0.4, 1.2, 4.0].map(|d| now + direction * d).to_vec(),
         }
     }
