@@ -73,7 +73,11 @@ fn the_written_motion_has_fine_steps_unless_the_coarse_one_is_asked_for() {
     let squat = repository("sequences/flat/squat.toml");
     let flat = repository("flat.toml");
     let run = |more: &[&str]| -> (Value, plan::Plan) {
-        let arguments = [&["solve", &flat, "--sequence", &squat, "--json", "-q"], more].concat();
+        let arguments = [
+            &["solve", &flat, "--sequence", &squat, "--json", "-q"],
+            more,
+        ]
+        .concat();
         let output = locotamp(folder.path(), &[&arguments[..], &["--out", "out"]].concat());
         assert_eq!(output.status.code(), Some(0), "{}", stdout(&output));
         let plan = plan::Plan::read(folder.path().join("out/plan.json")).unwrap();
