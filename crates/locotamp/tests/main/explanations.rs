@@ -255,24 +255,6 @@ fn a_heavy_box_is_told_its_mass() {
 
 #[test]
 #[ignore = "slow: 30 s"]
-fn a_weak_hip_is_told_its_torque() {
-    // The roll joint of the leg that stands.
-    let limit = |effort: &str| format!("lower=\"-2.9671\" upper=\"0.5236\" effort=\"{effort}\"");
-    let problem = Problem::new("flat", "flat/one_leg").with_own_g1();
-    let problem = problem.urdf(&limit("139"), &limit("5"));
-    let expected = Expected {
-        phase: 2,
-        group: "torque",
-        subject: "right_hip_roll_joint",
-        range: 10.0..=80.0,
-    };
-    check(&problem, &expected, |problem, to| {
-        problem.urdf(&limit("5"), &limit(to))
-    });
-}
-
-#[test]
-#[ignore = "slow: 30 s"]
 fn a_table_that_is_too_far_is_told_its_place() {
     let place = |y: &str| {
         format!("name = \"table_b\"\nsize = [0.34, 0.40, 0.04]\nposition = [0.45, {y}, 0.73]")
