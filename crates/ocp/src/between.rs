@@ -28,7 +28,9 @@ impl Trajectory {
         let mut found = Between::default();
         let (beta, gamma) = self.program.settings.integrator.shares();
         let mut kinematics = multibody::Kinematics::new(&self.program.system.model);
-        let mut relatives: Vec<_> = self.program.frames.iter().map(|f| f.relative()).collect();
+        let mut relatives: Vec<_> = (self.program.frames.iter())
+            .map(crate::relative::RelativeFrame::relative)
+            .collect();
         for t in 0..self.program.n_intervals() {
             let (v, a) = self.velocity_and_acceleration(x, t);
             let at_node = self.torques(x, t);

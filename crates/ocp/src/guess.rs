@@ -245,8 +245,8 @@ pub fn point(program: &Program, scene: &Scene, nodes: Vec<Vec<f64>>) -> Point {
     };
     Point {
         nodes,
-        velocities,
         wrenches,
+        velocities,
         durations,
     }
 }

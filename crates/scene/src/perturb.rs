@@ -30,6 +30,7 @@ impl Default for Perturbation {
 
 impl Scene {
     /// The variant that belongs to a seed; objects stay on what they stand on, within its bounds.
+    #[must_use]
     pub fn perturbed(&self, perturbation: &Perturbation, seed: u64) -> Self {
         let mut scene = self.clone();
         let mut random = Random::new(seed);

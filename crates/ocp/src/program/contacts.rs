@@ -82,7 +82,7 @@ impl Builder<'_> {
             if p.grid == Grid::State {
                 continue;
             }
-            if here && p.nodes[t + 1].var.is_some() && p.intervals[t].moves {
+            if here && p.nodes[t + 1].var.is_some() && p.moves(t) {
                 if by_velocity {
                     self.slip_rows(t, contact, frame);
                     continue;

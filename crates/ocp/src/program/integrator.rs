@@ -13,7 +13,7 @@ impl Builder<'_> {
     /// q⁺ ⊖ q − dt (β v + γ v⁺) = 0 of interval `t`, one block per joint.
     pub(super) fn integrator(&mut self, t: usize) {
         let p = &mut self.program;
-        if !p.has_velocities() || !p.intervals[t].moves {
+        if !p.has_velocities() || !p.moves(t) {
             return;
         }
         let element = &mut p.structure.elements[t];

@@ -123,8 +123,6 @@ pub struct Interval {
     pub velocity_next: Option<usize>,
     /// Wrench variables of this interval (local) and of the next one (local) whose differences cost.
     pub changes: Vec<(usize, usize)>,
-    /// Can nodes t and t+1 differ.
-    pub moves: bool,
     /// Is v_t free (not rest).
     pub v: bool,
     /// Is v_{t+1} free.

@@ -20,6 +20,7 @@ impl Builder<'_> {
         }
         for t in 0..n {
             let mut vars: Vec<usize> = Vec::new();
+            let moves = p.moves(t);
             let i = &mut p.intervals[t];
             vars.extend(i.wrench_var..i.wrench_var + i.n_wrench);
             let mut place = |var: Option<usize>, wanted: bool| -> Option<usize> {
@@ -33,7 +34,7 @@ impl Builder<'_> {
             i.a = place(p.nodes[t].var, true);
             i.velocity = place(p.nodes[t].velocity_var, true);
             i.velocity_next = place(p.nodes[t + 1].velocity_var, true);
-            i.b = place(p.nodes[t + 1].var, !states && (i.moves || i.v_next));
+            i.b = place(p.nodes[t + 1].var, !states && (moves || i.v_next));
             i.c = if i.v_next && !states {
                 place(p.nodes[t + 2].var, true)
             } else {
@@ -58,7 +59,7 @@ impl Builder<'_> {
             }
             // The equations of motion touch all but the configuration of the next node, if velocities are unknowns.
             let in_motion = vars.len();
-            if let (true, Some(first)) = (states && i.moves, p.nodes[t + 1].var) {
+            if let (true, Some(first)) = (states && moves, p.nodes[t + 1].var) {
                 i.b = Some(in_motion);
                 vars.extend(first..first + nv);
             }

@@ -207,6 +207,15 @@ impl Program {
         self.grid == Grid::Motion && self.settings.integrator.has_velocities()
     }
 
+    /// True if nodes t and t+1 can differ: with explicit Euler rest fixes the first two, always the last two.
+    pub fn moves(&self, t: usize) -> bool {
+        if self.has_velocities() {
+            t + 1 < self.n_intervals()
+        } else {
+            self.intervals[t].v
+        }
+    }
+
     /// Number of intervals.
     pub fn n_intervals(&self) -> usize {
         self.intervals.len()

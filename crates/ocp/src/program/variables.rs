@@ -100,10 +100,7 @@ impl Builder<'_> {
             let i = &mut p.intervals[t];
             i.phase = phase_of[t];
             i.dynamics = motion;
-            i.moves = !motion || t < n - 1 && (states || t > 0);
-            (i.v, i.v_next) = if states {
-                (t > 0 && t < n - 1, t + 2 < n)
-            } else if motion {
+            (i.v, i.v_next) = if motion {
                 (t > 0 && t < n - 1, t + 2 < n)
             } else {
                 (true, false)
