@@ -117,8 +117,9 @@ impl Trajectory {
                 for (&col, j) in frame.cols.iter().zip(&relative.columns) {
                     out.gradient[first + col] += sum.cost_gradient.dot(j);
                 }
+                let cols = &frame.cols[..relative.columns.len()];
                 frame.pose_hessian(relative, &sum.gradient, &sum.hessian, |k, l, value| {
-                    let (i, j) = (first + frame.cols[k], first + frame.cols[l]);
+                    let (i, j) = (first + cols[k], first + cols[l]);
                     out.hessian[i.min(j) * n + i.max(j)] += value;
                 });
             }

@@ -168,22 +168,14 @@ impl RelativeFrame {
         hessian: &Matrix6<f64>,
         mut add: impl FnMut(usize, usize, f64),
     ) {
-        for l in 0..self.cols.len() {
-            let first = &relative.columns[l];
+        for (l, (first, &group)) in relative.columns.iter().zip(&self.group_of).enumerate() {
             let h = hessian * first;
             // gᵀ[J_l, J_k] = (ad(J_l)ᵀ g)·J_k
             let bracket = h + bracket_transpose(first, gradient) * 0.5;
-            for k in l..self.cols.len() {
-                let same = self.group_of[k] == self.group_of[l];
-                add(
-                    k,
-                    l,
-                    if same {
-                        h.dot(&relative.columns[k])
-                    } else {
-                        bracket.dot(&relative.columns[k])
-                    },
-                );
+            let later = relative.columns.iter().zip(&self.group_of).enumerate();
+            for (k, (column, &other)) in later.skip(l) {
+                let by = if other == group { &h } else { &bracket };
+                add(k, l, by.dot(column));
             }
         }
     }
