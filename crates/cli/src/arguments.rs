@@ -1,6 +1,7 @@
 //! What can be written after `locotamp`.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use locotamp::{Refinement, Request};
 use std::path::PathBuf;
 
 /// Task and motion planning for humanoid loco-manipulation.
@@ -68,6 +69,19 @@ pub(crate) struct PlanOptions {
     /// End after this many seconds with the best so far
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub time_limit: Option<f64>,
+    #[command(flatten)]
+    pub problem: ProblemOptions,
+    /// One JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+    /// No progress
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// What `plan` and `solve` optimise.
+#[derive(Debug, Args)]
+pub(crate) struct ProblemOptions {
     /// Which trajectory problem is solved
     #[arg(long, value_enum, default_value_t = PresetName::Default)]
     pub preset: PresetName,
@@ -83,12 +97,23 @@ pub(crate) struct PlanOptions {
     /// Leave the joint torque limits out (to see what they change)
     #[arg(long)]
     pub no_torque_limits: bool,
-    /// One JSON object on standard output
-    #[arg(long)]
-    pub json: bool,
-    /// No progress
-    #[arg(long, short)]
-    pub quiet: bool,
+}
+
+impl ProblemOptions {
+    /// The request for the library.
+    pub(crate) fn request(&self, time_limit: Option<f64>) -> Request {
+        let refinement = (!self.no_refine).then(|| Refinement {
+            max_step: self.refine_step,
+            ..Refinement::default()
+        });
+        Request {
+            preset: self.preset.into(),
+            integrator: self.integrator.into(),
+            time_limit: time_limit.unwrap_or(f64::INFINITY),
+            refinement,
+            ..Request::default()
+        }
+    }
 }
 
 #[derive(Debug, Args)]
@@ -104,21 +129,8 @@ pub(crate) struct SolveOptions {
     /// End after this many seconds with the last iterate
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub time_limit: Option<f64>,
-    /// Which trajectory problem is solved
-    #[arg(long, value_enum, default_value_t = PresetName::Default)]
-    pub preset: PresetName,
-    /// How states follow from one another before the refinement
-    #[arg(long, value_enum, default_value_t = IntegratorName::Euler)]
-    pub integrator: IntegratorName,
-    /// Longest step of the refined motion that is written
-    #[arg(long, value_name = "S", value_parser = seconds, default_value_t = 0.02)]
-    pub refine_step: f64,
-    /// Write the optimiser's coarse motion as it is
-    #[arg(long)]
-    pub no_refine: bool,
-    /// Leave the joint torque limits out (to see what they change)
-    #[arg(long)]
-    pub no_torque_limits: bool,
+    #[command(flatten)]
+    pub problem: ProblemOptions,
     /// If there is no motion, do not look for what would give one (which takes many solves)
     #[arg(long)]
     pub no_explain: bool,
@@ -201,14 +213,6 @@ impl From<IntegratorName> for locotamp::Integrator {
             IntegratorName::ConstantAcceleration => Self::ConstantAcceleration,
         }
     }
-}
-
-/// The finer grid that the options ask for.
-pub(crate) fn refinement(no_refine: bool, max_step: f64) -> Option<locotamp::Refinement> {
-    (!no_refine).then(|| locotamp::Refinement {
-        max_step,
-        ..locotamp::Refinement::default()
-    })
 }
 
 #[derive(Debug, Args)]

@@ -1,6 +1,6 @@
 //! `locotamp plan`: from a scene to a plan file and its summary.
 
-use crate::arguments::{PlanOptions, refinement};
+use crate::arguments::PlanOptions;
 use crate::failure::Failure;
 use crate::folder::Folder;
 use crate::progress::Progress;
@@ -85,7 +85,7 @@ pub(crate) fn load(name: &str) -> Result<Scene, Failure> {
 /// Plans, writes, checks and tells.
 pub(crate) fn run(options: &PlanOptions) -> Result<Exit, Failure> {
     let mut scene = load(&options.scene)?;
-    if options.no_torque_limits {
+    if options.problem.no_torque_limits {
         scene.optimiser.torque_limits = false;
     }
     let folder = Folder::open(options.out.as_deref(), &scene.name)?;
@@ -111,12 +111,8 @@ pub(crate) fn run(options: &PlanOptions) -> Result<Exit, Failure> {
 
 fn search(options: &PlanOptions, scene: &Scene) -> Result<Outcome, Failure> {
     let request = Request {
-        preset: options.preset.into(),
         seed: options.seed,
-        time_limit: options.time_limit.unwrap_or(f64::INFINITY),
-        integrator: options.integrator.into(),
-        refinement: refinement(options.no_refine, options.refine_step),
-        ..Request::default()
+        ..options.problem.request(options.time_limit)
     };
     let interrupted = interrupt::flag();
     let mut progress = Progress::new(options.quiet);

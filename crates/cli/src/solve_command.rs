@@ -1,6 +1,6 @@
 //! `locotamp solve`: one given contact sequence to a plan file and a report.
 
-use crate::arguments::{SolveOptions, refinement};
+use crate::arguments::SolveOptions;
 use crate::failure::Failure;
 use crate::folder::Folder;
 use crate::plan_command::{Verdict, judge, load};
@@ -36,7 +36,7 @@ impl Finished {
 /// Solves, writes, checks and tells.
 pub(crate) fn run(options: &SolveOptions) -> Result<Exit, Failure> {
     let mut scene = load(&options.scene)?;
-    if options.no_torque_limits {
+    if options.problem.no_torque_limits {
         scene.optimiser.torque_limits = false;
     }
     let sequence = Sequence::load(&options.sequence, &scene)?;
@@ -64,12 +64,8 @@ fn solve(
     folder: &Folder,
 ) -> Result<Finished, Failure> {
     let request = Request {
-        preset: options.preset.into(),
-        time_limit: options.time_limit.unwrap_or(f64::INFINITY),
-        integrator: options.integrator.into(),
-        refinement: refinement(options.no_refine, options.refine_step),
         explain: !options.no_explain,
-        ..Request::default()
+        ..options.problem.request(options.time_limit)
     };
     let mut progress = Progress::of_one_sequence(options.quiet);
     let solved = observed(scene, sequence, &request, &mut progress, &interrupt::flag());
@@ -224,7 +220,7 @@ fn text(finished: &Finished, report: &Path) -> String {
         let _ = writeln!(text, "\nno {stage}: {reason}");
     }
     if let Some(explanation) = &solved.explanation {
-        text += &format!("\n{}", explanation.text);
+        let _ = write!(text, "\n{}", explanation.text);
     }
     text
 }
