@@ -24,7 +24,7 @@ pub fn poses(scene: &Scene, phases: &[Phase]) -> Vec<Vec<Pose>> {
 }
 
 /// The contact that supports an object in a phase: its landing surface on a static body or another object.
-fn support(scene: &Scene, object: usize, phase: &Phase) -> Option<Contact> {
+pub fn support(scene: &Scene, object: usize, phase: &Phase) -> Option<Contact> {
     phase.state.contacts.iter().copied().find(|c| {
         scene.interfaces[c.a.0].owner == Owner::Object(object)
             && !matches!(scene.interfaces[c.b.0].owner, Owner::Robot { .. })

@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use super::{Builder, NodeCost};
 use crate::relative::{Body, Carrier, RelativeFrame};
-use crate::terms::{approach::Approach, height::Height, tilt::Tilt};
+use crate::resting;
+use crate::settings::Preset;
+use crate::terms::{PoseTerm, approach::Approach, height::Height, tilt::Tilt};
 use scene::Role;
 use spatial::Pose;
 
@@ -15,6 +17,9 @@ const HAND_APPROACH: f64 = 0.08;
 const LIFT: f64 = 0.05;
 /// Weight of the approach [1/m²].
 const APPROACH: f64 = 200.0;
+/// Weights of the place of a carried object [1/m²] and of its tilt, beside a posture weight of 0.05 per rad².
+const CARRY: f64 = 20.0;
+const CARRY_UPRIGHT: f64 = 1.0;
 
 impl Builder<'_> {
     /// Posture, tilt and height costs of every free node.
@@ -64,6 +69,53 @@ impl Builder<'_> {
             }
         }
     }
+
+    /// In keyframes, objects in the air stay near their guess and upright: the posture alone would let them sink until they
+    /// touch something, which is a bad place to start a motion from.
+    pub(super) fn carried(&mut self, phases: &[Phase]) {
+        let keyframes = matches!(self.program.grid, Grid::Keyframes | Grid::OpenKeyframes);
+        if !keyframes || self.program.settings.preset == Preset::Paper {
+            return;
+        }
+        let world = |pose: Pose| Carrier {
+            body: Body::World,
+            body_from_frame: pose,
+        };
+        for (o, poses) in resting::poses(self.scene, phases).iter().enumerate() {
+            let rests = |k: usize| resting::support(self.scene, o, &phases[k]).is_some();
+            let p = &mut self.program;
+            let object = Carrier {
+                body: Body::Joint(p.system.object_joint(o)),
+                body_from_frame: Pose::identity(),
+            };
+            for (t, pose) in poses.iter().enumerate().skip(1) {
+                if rests(t - 1) || t < phases.len() && rests(t) {
+                    continue;
+                }
+                let place = Pose::from_parts(*Pose::identity().rotation(), pose.origin());
+                let frame = p.frames.len();
+                let model = &p.system.model;
+                p.frames
+                    .push(RelativeFrame::new(model, object, world(place)));
+                self.keys.push((usize::MAX, frame));
+                let slot = p.nodes[t].slot(frame);
+                let approach = Approach {
+                    distance: 0.0,
+                    centred: true,
+                };
+                let terms: [(Arc<dyn PoseTerm>, f64); 2] =
+                    [(Arc::new(approach), CARRY), (Arc::new(Tilt), CARRY_UPRIGHT)];
+                for (term, weight) in terms {
+                    p.nodes[t].costs.push(NodeCost {
+                        slot,
+                        term,
+                        weights: vec![weight],
+                    });
+                }
+            }
+        }
+    }
+
     /// In a path, what makes or breaks contact with the next or last phase keeps off along the contact's normal.
     pub(super) fn approaches(&mut self, phases: &[Phase]) {
         if self.program.grid != Grid::Path {

@@ -190,6 +190,7 @@ impl Program {
             builder.forces(t, phases);
         }
         builder.approaches(phases);
+        builder.carried(phases);
         builder.goal();
         builder.clearances(collisions, phases, clearances);
         builder.layout();
