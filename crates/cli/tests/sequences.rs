@@ -70,11 +70,11 @@ fn a_sequence_becomes_a_plan_and_a_report() {
 #[test]
 fn the_written_motion_has_fine_steps_unless_the_coarse_one_is_asked_for() {
     let folder = tempfile::tempdir().unwrap();
-    let squat = repository("sequences/flat/squat.toml");
+    let one_leg = repository("sequences/flat/one_leg.toml");
     let flat = repository("flat.toml");
     let run = |more: &[&str]| -> (Value, plan::Plan) {
         let arguments = [
-            &["solve", &flat, "--sequence", &squat, "--json", "-q"],
+            &["solve", &flat, "--sequence", &one_leg, "--json", "-q"],
             more,
         ]
         .concat();
