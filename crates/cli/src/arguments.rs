@@ -89,7 +89,7 @@ pub(crate) struct ProblemOptions {
     #[arg(long, value_enum, default_value_t = IntegratorName::Euler)]
     pub integrator: IntegratorName,
     /// Longest step of the refined motion that is written
-    #[arg(long, value_name = "S", value_parser = seconds, default_value_t = 0.02)]
+    #[arg(long, value_name = "S", value_parser = refine_step, default_value_t = 0.02)]
     pub refine_step: f64,
     /// Write the optimiser's coarse motion as it is
     #[arg(long)]
@@ -242,6 +242,14 @@ pub(crate) enum ProfileName {
     Accept,
 }
 
+/// A step of the refined motion [s]: shorter ones fill the memory, longer ones refine nothing.
+fn refine_step(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (0.002..=0.1).contains(&value) => Ok(value),
+        _ => Err("expected a number of seconds from 0.002 to 0.1".into()),
+    }
+}
+
 fn seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value > 0.0 => Ok(value),
@@ -271,6 +279,10 @@ mod tests {
         assert_eq!(seconds("2.5"), Ok(2.5));
         for bad in ["0", "-1", "nan", "soon"] {
             assert!(seconds(bad).is_err(), "{bad}");
+        }
+        assert_eq!(refine_step("0.01"), Ok(0.01));
+        for bad in ["0", "1e-9", "1", "nan"] {
+            assert!(refine_step(bad).is_err(), "{bad}");
         }
     }
 }

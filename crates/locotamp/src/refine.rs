@@ -1,5 +1,7 @@
 //! The motion that a robot executes: the optimiser's coarse solution again on a finer grid.
 
+use std::time::Instant;
+
 use crate::api::{Event, Request};
 use ocp::{Motion, Phase, Planner, Preset, Settings};
 
@@ -21,13 +23,14 @@ pub enum Refined {
     Failed(String),
 }
 
-/// Refines a feasible motion if the request wants it; without success the coarse one is returned.
+/// Refines a feasible motion if the request wants it, within the time limit that began at `begin`; without success the
+/// coarse one is returned.
 pub(crate) fn refine(
     planner: &Planner<'_>,
     phases: &[Phase],
     settings: &Settings,
     coarse: Motion,
-    request: &Request,
+    (request, begin): (&Request, Instant),
     observe: &mut dyn FnMut(&Event) -> bool,
 ) -> (Motion, Refined) {
     let wanted = request
@@ -40,6 +43,7 @@ pub(crate) fn refine(
     let mut stopped = !observe(&Event::Refining {
         max_step: refinement.max_step,
     });
+    let mut late = false;
     let fine = planner.refine(phases, settings, &coarse, refinement, &mut |i| {
         stopped |= !observe(&Event::Iteration {
             number: 0,
@@ -47,7 +51,8 @@ pub(crate) fn refine(
             violation: i.violation,
             objective: i.objective,
         });
-        !stopped
+        late = begin.elapsed().as_secs_f64() > request.time_limit;
+        !stopped && !late
     });
     if fine.feasible {
         let done = Refined::Done {
@@ -58,7 +63,8 @@ pub(crate) fn refine(
         return (fine, done);
     }
     let reason = match crate::summary::resistance(planner.scene, &fine) {
-        _ if stopped => "stopped".to_owned(),
+        _ if stopped => "stopped by the caller".to_owned(),
+        _ if late => format!("time limit of {} s", request.time_limit),
         Some(words) => words,
         None => format!("the optimiser ended as {:?}", fine.report.status),
     };

@@ -69,7 +69,7 @@ pub fn plan(
             &phases,
             run.settings,
             motion,
-            request,
+            (request, begin),
             run.observe,
         );
         let found = Found::of(scene, &sequence.labels, &mut motion, refined);

@@ -146,8 +146,14 @@ pub fn solve(
         if request.explain && !motion.feasible && !ended_early {
             solved.explanation = Some(explain(&case(Failed::Motion(&motion)), begin, observe));
         }
-        let (mut motion, refined) =
-            refine::refine(&planner, &phases, &settings, motion, request, observe);
+        let (mut motion, refined) = refine::refine(
+            &planner,
+            &phases,
+            &settings,
+            motion,
+            (request, begin),
+            observe,
+        );
         let mut found = Found::of(scene, &labels, &mut motion, refined);
         found.plan.explanation.clone_from(&solved.explanation);
         solved.best = Some(found);
