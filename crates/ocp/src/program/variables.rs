@@ -66,18 +66,16 @@ impl Builder<'_> {
                     .margins
                     .joint_range
                     .min(0.1 * (joint.upper - joint.lower));
-                let bounded = joint.kind != JointKind::FreeFlyer;
-                for _ in 0..joint.kind.nv() {
-                    s.lower.push(if bounded {
-                        joint.lower + margin
-                    } else {
-                        f64::NEG_INFINITY
-                    });
-                    s.upper.push(if bounded {
-                        joint.upper - margin
-                    } else {
-                        f64::INFINITY
-                    });
+                if joint.kind == JointKind::FreeFlyer {
+                    s.lower.extend([f64::NEG_INFINITY; 6]);
+                    s.upper.extend([f64::INFINITY; 6]);
+                } else {
+                    // What is nearer to its limit at the start may stay there.
+                    let start = self.scene.start[joint.idx_q];
+                    s.lower
+                        .push((joint.lower + margin).min(start.max(joint.lower)));
+                    s.upper
+                        .push((joint.upper - margin).max(start.min(joint.upper)));
                 }
             }
             s.n_vars += nv;
