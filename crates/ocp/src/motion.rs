@@ -188,11 +188,7 @@ impl<'a> Planner<'a> {
         for round in 0.. {
             let mut trajectory = Trajectory::new(program);
             let structure = trajectory.structure().clone();
-            let mut options = if round == 0 {
-                first.options.clone()
-            } else {
-                First::near_solution().options
-            };
+            let mut options = first.options.clone();
             options.max_iterations = settings.max_iterations.min(first.max_iterations);
             if trajectory.program.has_velocities() {
                 options.feasibility_tolerance = STATE_TOLERANCE;
@@ -220,6 +216,9 @@ impl<'a> Planner<'a> {
                 let again =
                     self.program(phases, settings, Grid::Motion, near(&point.nodes, &extra));
                 if between || violates_new_rows(&again, &point) {
+                    let most = first.max_iterations;
+                    first = First::after(&trajectory.program, &report, &again);
+                    first.max_iterations = most;
                     program = again;
                     continue;
                 }

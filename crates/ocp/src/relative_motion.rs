@@ -90,14 +90,29 @@ impl Relative {
 
     /// Multipliers for the rows of a program with the same phases: those of rows with the same label, zero for others.
     fn multipliers(&self, program: &Program) -> Vec<f64> {
-        let mut out = vec![0.0; program.labels.len()];
-        let mut first = 0;
-        for (t, element) in program.structure.elements.iter().enumerate() {
-            let labels = &program.labels[first..first + element.n_rows()];
-            transfer(&self.rows[t], labels, &mut out[first..]);
-            first += element.n_rows();
+        multipliers(&self.rows, program)
+    }
+}
+
+fn multipliers(known: &[Vec<(RowLabel, f64)>], program: &Program) -> Vec<f64> {
+    let mut out = vec![0.0; program.labels.len()];
+    let mut first = 0;
+    for (rows, element) in known.iter().zip(&program.structure.elements) {
+        let labels = &program.labels[first..first + element.n_rows()];
+        transfer(rows, labels, &mut out[first..]);
+        first += element.n_rows();
+    }
+    out
+}
+
+impl First {
+    /// From the solution of a program that lacks some rows of this one.
+    pub(crate) fn after(solved: &Program, report: &Report, program: &Program) -> Self {
+        Self {
+            options: options(true),
+            multipliers: Some(multipliers(&rows(solved, report), program)),
+            max_iterations: usize::MAX,
         }
-        out
     }
 }
 
