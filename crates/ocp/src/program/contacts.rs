@@ -13,6 +13,9 @@ use crate::terms::{
 use solver::BlockStructure;
 use symbolic::Contact;
 
+/// Play of a contact that stands nearer to an edge at the start than its margin [m].
+const PLAY: f64 = 5e-5;
+
 /// True if `contact` binds the geometry of interval `t`: it is active there, or, with explicit Euler, was released at node t
 /// (formulation 2.19: at rest at the release too; the other integrators imply that).
 fn binds(phases: &[Phase], program: &Program, contact: Contact, t: usize) -> bool {
@@ -158,7 +161,8 @@ impl Builder<'_> {
         frame.update(&self.start, &mut relative);
         let mut room = [0.0; 4];
         Bounds { half_a, half_b }.values(&relative.b_from_a, &mut room);
-        std::array::from_fn(|i| room[2 * i].min(room[2 * i + 1]) - 1e-6)
+        // A bound that leaves no room at all is one that an interior point cannot meet.
+        std::array::from_fn(|i| room[2 * i].min(room[2 * i + 1]) - PLAY)
     }
 
     /// Height, alignment or half space, and bounds of one contact at a node.

@@ -7,6 +7,9 @@ use solver::ElementStructure;
 /// Time for which a force that counts as one makes a momentum that counts as one [s]: a typical interval.
 const MOMENTUM_STEP: f64 = 0.1;
 
+/// Play of a joint that is nearer to its limit at the start than its margin, as a share of that.
+const PLAY: f64 = 0.1;
+
 impl Builder<'_> {
     /// Scales of the equations of motion, weights and posture per velocity index.
     pub(super) fn scales(&mut self) {
@@ -70,12 +73,13 @@ impl Builder<'_> {
                     s.lower.extend([f64::NEG_INFINITY; 6]);
                     s.upper.extend([f64::INFINITY; 6]);
                 } else {
-                    // What is nearer to its limit at the start may stay there.
+                    // What is nearer to its limit at the start may stay there, with some play.
                     let start = self.scene.start[joint.idx_q];
-                    s.lower
-                        .push((joint.lower + margin).min(start.max(joint.lower)));
-                    s.upper
-                        .push((joint.upper - margin).max(start.min(joint.upper)));
+                    let (below, above) = (start - PLAY * margin, start + PLAY * margin);
+                    let lower = below.max(joint.lower);
+                    let upper = above.min(joint.upper);
+                    s.lower.push((joint.lower + margin).min(lower));
+                    s.upper.push((joint.upper - margin).max(upper));
                 }
             }
             s.n_vars += nv;
