@@ -143,7 +143,7 @@ impl<P: Problem> InteriorPoint<P> {
                 break Status::Solved;
             } else if !go_on || begin.elapsed().as_secs_f64() > options.time_limit {
                 break Status::Interrupted;
-            } else if stall.is_stalled(options) {
+            } else if stall.is_stalled() {
                 break Status::Stalled;
             } else if line.number == options.max_iterations {
                 break Status::IterationLimit;
