@@ -8,6 +8,7 @@ mod chain;
 pub mod collision;
 mod derivatives;
 mod difference;
+mod evaluated;
 mod guess;
 mod keyframes;
 mod momentum;
