@@ -8,7 +8,6 @@ use crate::{Exit, bench_table, interrupt, memory, output};
 use locotamp::Request;
 use scene::{Expectation, Perturbation, Scene, SequenceFile};
 use serde_json::json;
-use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 /// A sequence of the set.
@@ -105,9 +104,8 @@ pub(crate) fn run(options: &BenchOptions) -> Result<Exit, Failure> {
 /// solved, so that a fault shows at once.
 fn entries(options: &BenchOptions) -> Result<Vec<Entry>, Failure> {
     let folder = &options.folder;
-    let mut paths = Vec::new();
-    collect(folder, &mut paths).map_err(|error| Failure::path("read", folder, &error))?;
-    paths.sort();
+    let paths =
+        SequenceFile::find(folder).map_err(|error| Failure::path("read", folder, &error))?;
     let mut entries = Vec::new();
     for path in paths {
         let name = path.strip_prefix(folder).unwrap_or(&path);
@@ -152,19 +150,6 @@ fn entries(options: &BenchOptions) -> Result<Vec<Entry>, Failure> {
         return Err(Failure::new(Exit::BadInput, message));
     }
     Ok(entries)
-}
-
-/// All .toml files below a folder.
-fn collect(folder: &Path, paths: &mut Vec<PathBuf>) -> std::io::Result<()> {
-    for entry in std::fs::read_dir(folder)? {
-        let path = entry?.path();
-        if path.is_dir() {
-            collect(&path, paths)?;
-        } else if path.extension().is_some_and(|e| e == "toml") {
-            paths.push(path);
-        }
-    }
-    Ok(())
 }
 
 fn json(rows: &[Row]) -> serde_json::Value {

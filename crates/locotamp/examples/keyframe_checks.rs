@@ -9,7 +9,7 @@ use multibody::Kinematics;
 use ocp::collision::CollisionModel;
 use ocp::{Keyframes, Phase, Planner, Settings};
 use scene::{Expectation, Perturbation, Scene, SequenceFile};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Overlap at the start from which on a variant is left out [m].
 const START_OVERLAP: f64 = 0.005;
@@ -64,9 +64,7 @@ struct Totals {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().collect();
-    let mut paths = Vec::new();
-    collect(Path::new(&arguments[1]), &mut paths)?;
-    paths.sort();
+    let paths = SequenceFile::find(Path::new(&arguments[1]))?;
     let variants: u64 = arguments[2].parse()?;
     let mut totals = Totals::default();
     for path in paths {
@@ -196,16 +194,4 @@ fn starts_in_collision(scene: &Scene, planner: &Planner<'_>) -> bool {
         .collisions
         .deepest(&kinematics, &|a, b| touches.contains(&(a, b)));
     deepest.is_some_and(|d| d.0 > START_OVERLAP)
-}
-
-fn collect(folder: &Path, paths: &mut Vec<PathBuf>) -> std::io::Result<()> {
-    for entry in std::fs::read_dir(folder)? {
-        let path = entry?.path();
-        if path.is_dir() {
-            collect(&path, paths)?;
-        } else if path.extension().is_some_and(|e| e == "toml") {
-            paths.push(path);
-        }
-    }
-    Ok(())
 }

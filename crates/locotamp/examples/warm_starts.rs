@@ -6,7 +6,7 @@ use locotamp::Preset;
 use ocp::{Motion, Phase, Planner, Settings};
 use scene::{Scene, SequenceFile};
 use spatial::Pose;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Intervals per phase.
 const STEPS: usize = 8;
@@ -17,10 +17,7 @@ type Fault = Box<dyn std::error::Error>;
 
 fn main() -> Result<(), Fault> {
     let arguments: Vec<String> = std::env::args().collect();
-    let mut paths = Vec::new();
-    collect(Path::new(&arguments[1]), &mut paths)?;
-    paths.sort();
-    for path in paths {
+    for path in SequenceFile::find(Path::new(&arguments[1]))? {
         let name = path.display().to_string();
         let wanted = |filters: &String| filters.split(',').any(|f| name.contains(f));
         if arguments.get(2).is_none_or(wanted) {
@@ -96,18 +93,5 @@ fn report(
     };
     let warm = warm.map_or_else(|| "no motion".into(), |m| text(&m));
     println!("{name}: keyframes {}, relative {warm}", text(cold));
-    Ok(())
-}
-
-/// All .toml files below a folder.
-fn collect(folder: &Path, paths: &mut Vec<PathBuf>) -> std::io::Result<()> {
-    for entry in std::fs::read_dir(folder)? {
-        let path = entry?.path();
-        if path.is_dir() {
-            collect(&path, paths)?;
-        } else if path.extension().is_some_and(|e| e == "toml") {
-            paths.push(path);
-        }
-    }
     Ok(())
 }

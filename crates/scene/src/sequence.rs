@@ -81,6 +81,24 @@ pub struct SequenceFile {
 }
 
 impl SequenceFile {
+    /// All .toml files below a folder, in the order of their names.
+    ///
+    /// # Errors
+    /// If a folder cannot be read.
+    pub fn find(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
+        let mut paths = Vec::new();
+        for entry in std::fs::read_dir(folder)? {
+            let path = entry?.path();
+            if path.is_dir() {
+                paths.extend(Self::find(&path)?);
+            } else if path.extension().is_some_and(|e| e == "toml") {
+                paths.push(path);
+            }
+        }
+        paths.sort();
+        Ok(paths)
+    }
+
     /// Reads a sequence file.
     ///
     /// # Errors
