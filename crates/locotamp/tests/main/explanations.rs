@@ -209,7 +209,7 @@ fn contradicting_bounds_are_named() {
 }
 
 #[test]
-#[ignore = "slow: 30 s"]
+#[ignore = "slow: up to a minute"]
 fn a_slippery_box_is_told_its_friction() {
     let problem = Problem::new("slippery-box", "boxes/too_slippery");
     let expected = Expected {
@@ -224,7 +224,7 @@ fn a_slippery_box_is_told_its_friction() {
 }
 
 #[test]
-#[ignore = "slow: 30 s"]
+#[ignore = "slow: up to a minute"]
 fn a_box_without_any_friction_is_told_its_friction() {
     let problem = Problem::new("slippery-box", "boxes/too_slippery").scene("mu = 0.05", "mu = 0.0");
     let expected = Expected {
@@ -239,7 +239,7 @@ fn a_box_without_any_friction_is_told_its_friction() {
 }
 
 #[test]
-#[ignore = "slow: 30 s"]
+#[ignore = "slow: up to a minute"]
 fn a_heavy_box_is_told_its_mass() {
     let problem = Problem::new("heavy-box", "boxes/too_heavy");
     let expected = Expected {
@@ -254,7 +254,7 @@ fn a_heavy_box_is_told_its_mass() {
 }
 
 #[test]
-#[ignore = "slow: 30 s"]
+#[ignore = "slow: up to a minute"]
 fn a_table_that_is_too_far_is_told_its_place() {
     let place = |y: &str| {
         format!("name = \"table_b\"\nsize = [0.34, 0.40, 0.04]\nposition = [0.45, {y}, 0.73]")
@@ -273,7 +273,7 @@ fn a_table_that_is_too_far_is_told_its_place() {
 }
 
 #[test]
-#[ignore = "slow: 30 s"]
+#[ignore = "slow: up to a minute"]
 fn a_table_that_is_too_high_is_told_its_height() {
     let place = |z: &str| {
         format!("name = \"table_b\"\nsize = [0.34, 0.40, 0.04]\nposition = [0.45, -0.23, {z}]")
@@ -291,7 +291,7 @@ fn a_table_that_is_too_high_is_told_its_height() {
 }
 
 #[test]
-#[ignore = "slow: 30 s"]
+#[ignore = "slow: up to a minute"]
 fn a_stair_that_is_too_high_is_told_its_height() {
     let place = |z: &str| format!("position = [0.40, 0.20, {z}]");
     let problem = Problem::new("stairs", "stairs/up_one").scene(&place("0.05"), &place("0.95"));
@@ -307,7 +307,7 @@ fn a_stair_that_is_too_high_is_told_its_height() {
 }
 
 #[test]
-#[ignore = "slow: 30 s"]
+#[ignore = "slow: up to a minute"]
 fn feet_that_stay_are_told_how_far_the_base_can_lean() {
     let expected = Expected {
         phase: 2,
@@ -322,7 +322,7 @@ fn feet_that_stay_are_told_how_far_the_base_can_lean() {
 }
 
 #[test]
-#[ignore = "slow: 30 s"]
+#[ignore = "slow: up to a minute"]
 fn a_weak_grasp_is_told_its_force_or_the_mass_it_can_hold() {
     let hands = "max_force = 60.0";
     let problem = Problem::new("yardstick", "yardstick/fixed").with_own_g1();
