@@ -22,6 +22,10 @@ const REPAIR_BARRIER: f64 = 1e-3;
 const REPAIR_PUSH: f64 = 1e-4;
 /// Largest violation of a solution (scaled rows).
 const SOLVED: f64 = 1e-6;
+/// Complementarity products and dual residual at the solution of a barrier problem: the products come to about the barrier
+/// parameter, and the last Newton steps, which make the rows hold, leave far smaller residuals.
+const COMPLEMENTARITY: f64 = 10.0;
+const BARRIER_DUAL_TOLERANCE: f64 = 0.1;
 /// Tolerances where velocities are unknowns: on a fine grid positions are so stiff that refinement of the linear solves
 /// gains its last digits slowly.
 const STATE_TOLERANCE: f64 = 1e-6;
@@ -190,6 +194,12 @@ impl<'a> Planner<'a> {
             let structure = trajectory.structure().clone();
             let mut options = first.options.clone();
             options.max_iterations = settings.max_iterations.min(first.max_iterations);
+            if settings.barrier > options.min_barrier {
+                options.min_barrier = settings.barrier;
+                options.complementarity_tolerance = COMPLEMENTARITY * settings.barrier;
+                options.dual_tolerance = BARRIER_DUAL_TOLERANCE;
+                options.feasibility_tolerance = SOLVED;
+            }
             if trajectory.program.has_velocities() {
                 options.feasibility_tolerance = STATE_TOLERANCE;
                 options.dual_tolerance = STATE_DUAL_TOLERANCE;

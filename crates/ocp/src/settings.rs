@@ -173,7 +173,14 @@ pub struct Settings {
     pub margins: Margins,
     /// Iteration limit of one solve.
     pub max_iterations: usize,
+    /// Smallest barrier parameter; zero: as small as the solver's own. A motion that solves a barrier problem satisfies every row
+    /// and costs a few per cent more than the optimum, for a third of the iterations
+    /// (benches/runs/2026-11-21-barrier.md); refinement finds its own optimum.
+    pub barrier: f64,
 }
+
+/// Barrier parameter of the preset `default`.
+const BARRIER: f64 = 3e-4;
 
 impl Settings {
     /// The given preset with the options of a scene.
@@ -192,6 +199,11 @@ impl Settings {
                 Margins::none()
             },
             max_iterations: options.max_iterations,
+            barrier: if preset == Preset::Default {
+                BARRIER
+            } else {
+                0.0
+            },
         }
     }
 }
