@@ -69,6 +69,21 @@ pub(crate) struct PlanOptions {
     /// End after this many seconds with the best so far
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub time_limit: Option<f64>,
+    /// How the next contact sequence is chosen
+    #[arg(long, value_enum, default_value_t = SearchName::Tree)]
+    pub search: SearchName,
+    /// End with so many feasible plans
+    #[arg(long, value_name = "N", default_value_t = 4)]
+    pub solutions: usize,
+    /// Optimise at most so many contact sequences
+    #[arg(long, value_name = "N", default_value_t = 200)]
+    pub max_sequences: usize,
+    /// Threads that optimise motions; 0: one per processor. The result does not depend on it
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub threads: usize,
+    /// Continue the run whose journal is in --out, without asking again what it knows
+    #[arg(long, requires = "out")]
+    pub resume: bool,
     #[command(flatten)]
     pub problem: ProblemOptions,
     /// One JSON object on standard output
@@ -77,6 +92,27 @@ pub(crate) struct PlanOptions {
     /// No progress
     #[arg(long, short)]
     pub quiet: bool,
+}
+
+/// Ways to search.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub(crate) enum SearchName {
+    /// Monte-Carlo tree search
+    Tree,
+    /// In order of symbolic cost
+    BestFirst,
+    /// Random walks
+    Random,
+}
+
+impl From<SearchName> for locotamp::Search {
+    fn from(name: SearchName) -> Self {
+        match name {
+            SearchName::Tree => Self::Tree,
+            SearchName::BestFirst => Self::BestFirst,
+            SearchName::Random => Self::Random,
+        }
+    }
 }
 
 /// What `plan` and `solve` optimise.

@@ -30,6 +30,9 @@ const GUESS_NEAR: f64 = 0.1;
 /// Iterations after which the violation must have fallen by this share.
 const PATIENCE: usize = 12;
 const PROGRESS: f64 = 0.1;
+/// Violation (m, rad) from which no other guess is tried: out of reach, not caught in a local minimum
+/// (benches/runs/2026-11-21-tree-search.md).
+const HOPELESS: f64 = 0.1;
 /// Phases that are solved together for a guess.
 const WINDOW: usize = 3;
 /// Largest violation of a keyframe set that still counts as possible, in the rows' own units (m, rad).
@@ -125,13 +128,13 @@ impl<'a> Ask<'a> {
         }
     }
 
-    /// Solves from a guess from the sequence alone, then from one that was solved boundary by boundary, at last from both with
+    /// Solves from a guess from the sequence alone, then, unless that ended hopelessly far from satisfying the contacts, from one that was solved boundary by boundary, at last from both with
     /// short steps, no pull to the home posture at the end and, if clearances resist, with those of all that is near the guess from
     /// the beginning: once a link is inside something, its row may lead out on the wrong side.
     fn answer(&self) -> Keyframes {
         let guess = guess::keyframes(self.planner.scene, &self.planner.system, self.phases);
         let (first, first_rows) = self.solve(guess.clone(), Watched::new());
-        if first.possible {
+        if first.possible || first.report.violation > HOPELESS {
             return first;
         }
         let (forward, watched) = self.forward(guess.clone());

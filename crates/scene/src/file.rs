@@ -374,6 +374,8 @@ pub(crate) struct SearchEntry {
     pub max_changes: Option<At<usize>>,
     /// May free hands make supporting contacts; default false.
     pub support_hands: Option<bool>,
+    /// Intervals per phase during the search, before refinement; default 8.
+    pub steps: Option<At<usize>>,
 }
 
 /// Options of the trajectory optimisation.

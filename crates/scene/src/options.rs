@@ -20,6 +20,7 @@ impl Default for SearchOptions {
             max_skeleton: None,
             max_changes: 1,
             support_hands: false,
+            steps: 8,
         }
     }
 }
@@ -50,6 +51,12 @@ pub(crate) fn search(source: &Source, entry: &SearchEntry) -> Result<SearchOptio
         max_changes: count("max_changes", entry.max_changes.as_ref())?
             .unwrap_or(default.max_changes),
         support_hands: entry.support_hands.unwrap_or(default.support_hands),
+        steps: entry
+            .steps
+            .as_ref()
+            .map(|value| source.count("steps", value, 1..=LARGEST_STEPS))
+            .transpose()?
+            .unwrap_or(default.steps),
     })
 }
 

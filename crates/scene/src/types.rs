@@ -176,6 +176,8 @@ pub struct SearchOptions {
     pub max_changes: usize,
     /// May free hands make supporting contacts.
     pub support_hands: bool,
+    /// Intervals per phase during the search, before refinement.
+    pub steps: usize,
 }
 
 /// Options of the optimiser (`[optimiser]` of a scene file).
