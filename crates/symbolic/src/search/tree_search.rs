@@ -28,6 +28,8 @@ const MAX_FAILURES: usize = 10_000;
 const EXPLORATION: f64 = 0.5;
 /// A node with n visits may have n^WIDENING children.
 const WIDENING: f64 = 0.5;
+/// Temperature of the random walks [phases].
+const TEMPERATURE: f64 = 0.5;
 /// Reward of a walk that comes to a dead end just before the goal; less the farther from it.
 const DEAD_END: f64 = 0.1;
 
@@ -69,6 +71,7 @@ impl TreeSearch {
             returned: BTreeMap::new(),
             status: Status::Running,
         };
+        search.walker.temperature = TEMPERATURE;
         search.add(0, walk);
         search
     }
