@@ -71,6 +71,7 @@ pub(crate) fn refinement(refined: &Refined) -> Value {
 fn attempt(attempt: &Attempt) -> Value {
     let reached = match attempt.reached {
         Reached::Keyframes => "keyframes",
+        Reached::Alike => "alike",
         Reached::Optimised => "optimised",
         Reached::Feasible => "feasible",
     };

@@ -186,8 +186,10 @@ pub enum Event {
 /// How far a sequence got.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reached {
-    /// Its keyframes are impossible.
+    /// Its keyframes are impossible, or promise less than a plan that is there (objective "base height").
     Keyframes,
+    /// It was left out, since others failed again and again at the same contacts.
+    Alike,
     /// It was optimised without success.
     Optimised,
     /// It is a feasible plan.

@@ -3,8 +3,10 @@
 use crate::api::Error;
 use nalgebra::Vector3;
 use scene::{Objective, Owner, Role, Scene};
+use std::collections::BTreeMap;
+use symbolic::search::{EndCost, ExtraCost, Step};
 use symbolic::{
-    ContactState, ContactType, Domain, Goal, GoalPair, GraphOptions, InterfaceId, SearchLimits,
+    Costs, ContactState, ContactType, Domain, Goal, GoalPair, GraphOptions, InterfaceId, SearchLimits,
     SkeletonGraph,
 };
 
@@ -98,6 +100,73 @@ pub fn graph(scene: &Scene) -> Result<(SkeletonGraph, SearchLimits), Error> {
         SkeletonGraph::new(domain(scene)?, start, goal, options)?,
         limits,
     ))
+}
+
+/// Extra cost of landing a foot on the lowest surface rather than on the highest, and of ending there [phases]; only where
+/// the base is to get high.
+const LOW: f64 = 3.0;
+
+/// Costs by which sequences are ordered. Where the base is to get high, new surfaces and manipulation are what may help.
+pub(crate) fn costs(scene: &Scene) -> Costs {
+    if scene.objective != Objective::BaseHeight {
+        return Costs::default();
+    }
+    Costs {
+        new_surface: 0.0,
+        detour: 0.0,
+        turn: 0.0,
+        ..Costs::default()
+    }
+}
+
+/// Costs beside these: where the base is to get high, feet prefer what is high, and sequences end there.
+pub(crate) fn own_costs(scene: &Scene) -> (Option<ExtraCost>, Option<EndCost>) {
+    if scene.objective != Objective::BaseHeight {
+        return (None, None);
+    }
+    let low = lowness(scene);
+    let low_again = low.clone();
+    let landing = move |step: &Step<'_>| {
+        let feet = step.action.makes.iter();
+        feet.map(|c| low.get(&(c.a, c.b)).copied().unwrap_or(0.0))
+            .sum::<f64>()
+    };
+    let end = move |_: &SkeletonGraph, state: &ContactState| {
+        let feet = state.iter();
+        feet.map(|c| low_again.get(&(c.a, c.b)).copied().unwrap_or(0.0))
+            .sum::<f64>()
+    };
+    (Some(Box::new(landing)), Some(Box::new(end)))
+}
+
+/// For every foot and upward surface how much lower it is, at the start, than the highest: 0 to [`LOW`].
+fn lowness(scene: &Scene) -> BTreeMap<(InterfaceId, InterfaceId), f64> {
+    let world_from = |i: &scene::Interface| match i.owner {
+        Owner::Robot { .. } => None,
+        Owner::Object(o) => Some(scene.objects[o].world_from_start * i.body_from_interface),
+        Owner::Static(_) => Some(i.body_from_interface),
+    };
+    let poses: Vec<_> = scene.interfaces.iter().map(world_from).collect();
+    let height = |n: usize| {
+        let pose = poses[n].as_ref()?;
+        let up = pose.rotate(Vector3::z()).z > OPPOSITE.abs();
+        let carries = scene.interfaces[n].contact_types.contains(&ContactType::UnilateralPatch);
+        (up && carries).then(|| pose.origin().z)
+    };
+    let heights: Vec<Option<f64>> = (0..poses.len()).map(height).collect();
+    let known = || heights.iter().flatten().copied();
+    let (most, least) = (known().fold(f64::MIN, f64::max), known().fold(f64::MAX, f64::min));
+    let feet = (0..scene.interfaces.len()).filter(|&n| scene.interfaces[n].role == Role::Foot);
+    let mut low = BTreeMap::new();
+    for foot in feet {
+        for (surface, height) in heights.iter().enumerate() {
+            if let Some(height) = height.filter(|_| most > least) {
+                let share = (most - height) / (most - least);
+                low.insert((InterfaceId(foot), InterfaceId(surface)), LOW * share);
+            }
+        }
+    }
+    low
 }
 
 /// Sequences end in the first goal state; without goal contacts but with regions or an objective, anywhere.

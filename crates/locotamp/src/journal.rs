@@ -73,7 +73,7 @@ pub struct Tried {
     pub labels: Vec<String>,
     /// Contacts per phase.
     pub states: States,
-    /// `keyframes`, `optimised` or `feasible`.
+    /// `keyframes`, `alike`, `optimised` or `feasible`.
     pub reached: String,
     /// Why it got no further.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -81,6 +81,9 @@ pub struct Tried {
     /// Cost of the motion.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cost: Option<f64>,
+    /// Phase in which the motion failed, from 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub failed_phase: Option<usize>,
     /// Largest violation (scaled rows) of the motion.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub violation: Option<f64>,

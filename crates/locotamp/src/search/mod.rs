@@ -5,6 +5,7 @@
 //! in which they were proposed, so that the run is the same however many threads there are and however long they take.
 
 mod diverse;
+mod failures;
 mod reward;
 mod workers;
 
@@ -21,11 +22,12 @@ use crate::checks::Checks;
 use crate::journal::{Header, Journal, Tried};
 use crate::{domain, refine, summary};
 use diverse::{Diverse, loaded};
+use failures::Failures;
 use ocp::{Integrator, Phase, Planner, Point, Preset, Relative, Settings};
 use reward::Rewards;
-use scene::Scene;
+use scene::{Objective, Scene};
 use symbolic::search::Rejected;
-use symbolic::{BestFirst, Costs, Policy, Rollouts, SearchLimits, Sequence, SkeletonGraph, TreeSearch};
+use symbolic::{BestFirst, Policy, Rollouts, SearchLimits, Sequence, SkeletonGraph, TreeSearch};
 use workers::{Evaluated, From, Job, Message, Shop, Workers};
 
 /// Overlap of bodies at the start that is tolerated [m]: less than the collision model's own accuracy.
@@ -34,6 +36,8 @@ const START_OVERLAP: f64 = 0.005;
 const DIFFERENT_AT_END: usize = 2;
 /// Sequences that are under evaluation at once. Part of what decides which sequence comes next, hence no option.
 const IN_FLIGHT: usize = 4;
+/// Height by which a motion may end above its keyframes [m]: those are near the home posture at the end, motions stretch.
+const HEIGHT_ROOM: f64 = 0.12;
 /// Motions that others may start from.
 const MOST_RELATIVES: usize = 16;
 
@@ -61,7 +65,7 @@ pub fn plan(
         )));
     };
     let contacts = graph.domain().contacts().len();
-    let policy = policy(request, graph, &limits);
+    let policy = policy(scene, request, graph, &limits);
     let settings = settings(scene, request)?;
     let journal = match &request.journal {
         Some(path) => {
@@ -103,6 +107,7 @@ pub fn plan(
             under_way: VecDeque::new(),
             results: BTreeMap::new(),
             rewards: Rewards::default(),
+            failures: Failures::default(),
             attempts: vec![],
             best: None,
             diverse: Diverse::new(request.alternatives),
@@ -114,10 +119,19 @@ pub fn plan(
     })
 }
 
-fn policy(request: &Request, graph: SkeletonGraph, limits: &SearchLimits) -> Box<dyn Policy> {
-    let costs = Costs::default();
+fn policy(
+    scene: &Scene,
+    request: &Request,
+    graph: SkeletonGraph,
+    limits: &SearchLimits,
+) -> Box<dyn Policy> {
+    let costs = domain::costs(scene);
     match request.search {
-        Search::Tree => Box::new(TreeSearch::new(graph, limits, costs, request.seed)),
+        Search::Tree => {
+            let (extra, end) = domain::own_costs(scene);
+            let tree = TreeSearch::new(graph, limits, costs, request.seed);
+            Box::new(tree.with_own_costs(extra, end))
+        }
         Search::BestFirst => Box::new(BestFirst::new(graph, limits, costs)),
         Search::Random => Box::new(Rollouts::new(graph, limits, costs, request.seed)),
     }
@@ -172,6 +186,7 @@ struct Run<'a> {
     /// Results that came before their turn.
     results: BTreeMap<usize, Box<Evaluated>>,
     rewards: Rewards,
+    failures: Failures,
     attempts: Vec<Attempt>,
     best: Option<Best>,
     diverse: Diverse,
@@ -248,6 +263,12 @@ impl Run<'_> {
         });
         let states = sequence.states.iter().map(|s| self.checks.names(s)).collect();
         let known = self.checks.journal.take_sequence(&states);
+        if known.is_none()
+            && let Some(reason) = self.alike(&sequence)
+        {
+            self.leave_out(number, &sequence, Reached::Alike, Some(reason), started);
+            return true;
+        }
         let phases = self.phases(&sequence);
         let from = match known.as_ref().and_then(|k| k.point.clone()) {
             Some(point) => Some(From::Known(point)),
@@ -265,7 +286,12 @@ impl Run<'_> {
                     reason: reason.clone(),
                 });
                 if !keyframes.possible {
-                    self.without_keyframes(number, &sequence, reason, started);
+                    self.reject_prefix(&sequence, &phases);
+                    self.leave_out(number, &sequence, Reached::Keyframes, reason, started);
+                    return true;
+                }
+                if let Some(reason) = self.too_low(&keyframes.nodes) {
+                    self.leave_out(number, &sequence, Reached::Keyframes, Some(reason), started);
                     return true;
                 }
                 let relative = nearest(&self.relatives, &phases);
@@ -294,19 +320,22 @@ impl Run<'_> {
     /// Takes over what is known of a sequence that has no motion.
     fn again(&mut self, number: usize, sequence: &Sequence, known: Option<Tried>) {
         let Some(known) = known else { return };
-        if known.reached == name(Reached::Keyframes) {
+        let reached = [Reached::Keyframes, Reached::Alike, Reached::Optimised]
+            .into_iter()
+            .find(|&reached| name(reached) == known.reached);
+        let reached = reached.unwrap_or(Reached::Optimised);
+        if reached == Reached::Keyframes {
             let phases = self.phases(sequence);
             self.reject_prefix(sequence, &phases);
+        }
+        if let Some(phase) = known.failed_phase {
+            self.failures.failed(number, &sequence.states, phase);
         }
         self.policy.learn(&sequence.states, known.reward);
         self.attempts.push(Attempt {
             number,
             labels: sequence.labels.clone(),
-            reached: if known.reached == name(Reached::Keyframes) {
-                Reached::Keyframes
-            } else {
-                Reached::Optimised
-            },
+            reached,
             reason: known.reason,
             cost: known.cost,
             iterations: known.iterations,
@@ -314,25 +343,47 @@ impl Run<'_> {
         });
     }
 
-    fn without_keyframes(
+    /// Takes note of a sequence that is not optimised.
+    fn leave_out(
         &mut self,
         number: usize,
         sequence: &Sequence,
+        reached: Reached,
         reason: Option<String>,
         started: Instant,
     ) {
-        let phases = self.phases(sequence);
-        self.reject_prefix(sequence, &phases);
         let attempt = Attempt {
             number,
             labels: sequence.labels.clone(),
-            reached: Reached::Keyframes,
+            reached,
             reason,
             cost: None,
             iterations: 0,
             seconds: started.elapsed().as_secs_f64(),
         };
-        self.conclude(sequence, attempt, reward::NO_KEYFRAMES, None, None);
+        self.conclude(sequence, attempt, reward::LEFT_OUT, None);
+    }
+
+    /// Why the sequence is not worth a try: others failed at the same contacts.
+    fn alike(&self, sequence: &Sequence) -> Option<String> {
+        let (phase, numbers) = self.failures.known(&sequence.states)?;
+        let numbers: Vec<String> = numbers.iter().map(ToString::to_string).collect();
+        Some(format!(
+            "sequences {} have no motion at the contacts of phase {} ({})",
+            numbers.join(", "),
+            phase + 1,
+            sequence.labels[phase]
+        ))
+    }
+
+    /// Where the base is to get high: why keyframes cannot lead higher than the best plan.
+    fn too_low(&self, nodes: &[Vec<f64>]) -> Option<String> {
+        let scene = self.shop.planner.scene;
+        let best = self.best.as_ref().filter(|best| best.feasible)?;
+        let height = |nodes: &[Vec<f64>]| nodes.last().map_or(f64::NEG_INFINITY, |q| q[2]);
+        let (now, before) = (height(nodes), height(&best.point.nodes));
+        let low = scene.objective == Objective::BaseHeight && now < before - HEIGHT_ROOM;
+        low.then(|| format!("the base ends at {now:.2} m at most, a plan is at {before:.2} m"))
     }
 
     /// The result of a sequence, in its turn; `None` if the search is stopped before.
@@ -381,6 +432,14 @@ impl Run<'_> {
             cost: done.cost,
             reason: done.reason.clone(),
         });
+        if feasible {
+            self.failures.succeeded(&sequence.states);
+        } else if let Some(phase) = known
+            .as_ref()
+            .map_or(done.worst_phase, |known| known.failed_phase)
+        {
+            self.failures.failed(number, &sequence.states, phase);
+        }
         let reward = if feasible {
             self.rewards.of_plan(done.cost)
         } else {
@@ -399,8 +458,7 @@ impl Run<'_> {
             self.policy.learn(&sequence.states, reward);
             self.attempts.push(attempt);
         } else if whole {
-            let point = (feasible || best).then_some(&done.point);
-            self.conclude(&sequence, attempt, reward, Some(done.violation), point);
+            self.conclude(&sequence, attempt, reward, Some((&done, best)));
         }
         if feasible {
             self.relatives.extend(done.relative);
@@ -446,9 +504,9 @@ impl Run<'_> {
         sequence: &Sequence,
         attempt: Attempt,
         reward: f64,
-        violation: Option<f64>,
-        point: Option<&Point>,
+        done: Option<(&Evaluated, bool)>,
     ) {
+        let keep = |(done, best): (&Evaluated, bool)| (done.feasible || best).then(|| (&done.point).into());
         self.policy.learn(&sequence.states, reward);
         let states = sequence.states.iter().map(|s| self.checks.names(s)).collect();
         self.checks.journal.note_sequence(Tried {
@@ -459,11 +517,12 @@ impl Run<'_> {
             reached: name(attempt.reached).into(),
             reason: attempt.reason.clone(),
             cost: attempt.cost,
-            violation,
+            failed_phase: done.and_then(|(done, _)| done.worst_phase),
+            violation: done.map(|(done, _)| done.violation),
             iterations: attempt.iterations,
             seconds: attempt.seconds,
             reward,
-            point: point.map(Into::into),
+            point: done.and_then(keep),
         });
         self.attempts.push(attempt);
     }
@@ -560,6 +619,7 @@ impl Run<'_> {
 fn name(reached: Reached) -> &'static str {
     match reached {
         Reached::Keyframes => "keyframes",
+        Reached::Alike => "alike",
         Reached::Optimised => "optimised",
         Reached::Feasible => "feasible",
     }

@@ -1,7 +1,7 @@
 //! What a sequence is worth to the search, between 0 and 1: its violation and cost (paper, "Implementation Details").
 
-/// Reward of a sequence without keyframes, and bounds of the others.
-pub(super) const NO_KEYFRAMES: f64 = 0.0;
+/// Reward of a sequence that is not optimised, and bounds of the others.
+pub(super) const LEFT_OUT: f64 = 0.0;
 const NO_MOTION: f64 = 0.3;
 const MOTION: f64 = 0.5;
 

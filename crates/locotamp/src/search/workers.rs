@@ -36,6 +36,8 @@ pub(super) struct Evaluated {
     pub iterations: usize,
     pub seconds: f64,
     pub reason: Option<String>,
+    /// Phase of the most violated row, from 0.
+    pub worst_phase: Option<usize>,
     pub point: Point,
     /// Of a feasible motion.
     pub plan: Option<Plan>,
@@ -132,6 +134,7 @@ impl Shop<'_> {
             iterations: motion.iterations,
             seconds: motion.seconds,
             reason: summary::resistance(scene, motion),
+            worst_phase: motion.worst.as_ref().map(|w| w.phase),
             point: motion.point.clone(),
             plan: motion
                 .feasible

@@ -17,7 +17,7 @@ mod verdicts;
 mod walk;
 
 pub use best_first::BestFirst;
-pub use costs::{Costs, ExtraCost, Step};
+pub use costs::{Costs, EndCost, ExtraCost, Step};
 pub use limits::{Ending, SearchLimits, Status, default_phases};
 pub use oracle::{AcceptAll, Oracle, Verdict};
 pub use policy::Policy;

@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 
 use crate::contact::ContactState;
 use crate::graph::{SkeletonGraph, StateId};
-use crate::search::costs::Costs;
+use crate::search::costs::{Costs, EndCost, ExtraCost};
 use crate::search::expansion::Expansion;
 use crate::search::limits::{SearchLimits, Status};
 use crate::search::oracle::Oracle;
@@ -74,6 +74,14 @@ impl TreeSearch {
         search.walker.temperature = TEMPERATURE;
         search.add(0, walk);
         search
+    }
+
+    /// Adds costs of the caller's, of steps and of ends; to be called before the first sequence is asked for.
+    #[must_use]
+    pub fn with_own_costs(mut self, extra: Option<ExtraCost>, end: Option<EndCost>) -> Self {
+        self.walker.expansion.extra = extra;
+        self.walker.expansion.end = end;
+        self
     }
 
     fn add(&mut self, parent: usize, walk: Walk) -> usize {

@@ -84,7 +84,7 @@ impl Walker {
         loop {
             let complete = self.expansion.is_complete(walk.node, walk.n_phases());
             let goes_on = self.expansion.goes_on(complete, walk.n_phases());
-            if complete && (!goes_on || self.random.uniform() < 0.5) {
+            if complete && (!goes_on || self.random.uniform() < self.share_of_ends(walk)) {
                 return true;
             }
             if !goes_on {
@@ -95,6 +95,12 @@ impl Walker {
             };
             walk.take(&next);
         }
+    }
+
+    /// Share of the walks that end in a complete state although they could go on: half of them, less where ending costs.
+    fn share_of_ends(&self, walk: &Walk) -> f64 {
+        let cost = phases(self.expansion.end_cost(walk.node.state));
+        0.5 * (-cost / self.temperature).exp()
     }
 
     /// Draws until a step is accepted; `None` if all are rejected, or if the oracle stops.
