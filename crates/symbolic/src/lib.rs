@@ -44,7 +44,8 @@ mod domain;
 mod error;
 mod goal;
 mod graph;
-pub mod manipulation;
+mod manipulation;
+pub mod pddl;
 pub mod search;
 pub mod state_rules;
 pub mod statistics;
@@ -64,5 +65,5 @@ pub use search::{
     BestFirst, Costs, Ending, Oracle, Rollouts, SearchLimits, Sequence, Status, Verdict,
 };
 pub use successors::successors;
-pub use task::{Condition, Fact, FactSet, Operator, Task};
+pub use task::{Change, Condition, Fact, FactSet, Operator, Task};
 pub use task_graph::{TaskEdge, TaskGraph, TaskState};
