@@ -1,10 +1,12 @@
 //! Tests of the symbolic layer against examples worked by hand and against brute force.
 
+mod brute_force;
 mod costs;
 mod domain;
 mod fixtures;
 mod graph;
 mod oracles;
+mod pddl;
 mod problems;
 mod rules;
 mod search;

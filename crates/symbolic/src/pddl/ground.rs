@@ -1,7 +1,7 @@
 //! Grounding: every action with every choice of objects that what never changes allows.
 //!
-//! Predicates that no effect names are decided at once; atoms that no action adds and the start does not hold are
-//! false. What is left becomes facts and operators of a [`Task`].
+//! Predicates that no effect names are decided at once; atoms that neither the start nor a possible action makes true
+//! are false. What is left becomes facts and operators of a [`Task`].
 
 use super::problem::Problem;
 use super::syntax::{ActionSchema, Atom, DomainFile, Effect, Formula, ObjectId, Term, TypeId};
@@ -60,6 +60,7 @@ impl Ground {
             fluent: (0..domain.predicates.len())
                 .map(|p| domain.is_fluent(p))
                 .collect(),
+            possible: problem.init.clone(),
             facts: None,
         };
         let mut actions = Vec::new();
@@ -67,7 +68,8 @@ impl Ground {
             let with = |arguments| GroundAction { action, arguments };
             actions.extend(grounder.choices(schema).into_iter().map(with));
         }
-        let atoms = grounder.possible_atoms(&actions);
+        grounder.reach(&actions);
+        let atoms: BTreeSet<Atom> = grounder.possible.clone();
         grounder.facts = Some(atoms.iter().cloned().zip((0..).map(Fact)).collect());
         let mut operators = Vec::new();
         actions.retain(|ground| {
@@ -116,7 +118,9 @@ struct Grounder<'d> {
     problem: &'d Problem,
     /// Per predicate: does any action change it.
     fluent: Vec<bool>,
-    /// The atoms that can become true, once they are known.
+    /// Atoms that are found to be possible.
+    possible: BTreeSet<Atom>,
+    /// The same as facts, once they are all known.
     facts: Option<BTreeMap<Atom, Fact>>,
 }
 
@@ -171,21 +175,29 @@ impl Grounder<'_> {
         }
     }
 
-    /// What holds at the start or is added by an action that may happen, as far as that changes at all.
-    fn possible_atoms(&self, actions: &[GroundAction]) -> BTreeSet<Atom> {
-        let at_start = self.problem.init.iter();
-        let mut atoms: BTreeSet<Atom> =
-            at_start.filter(|(p, _)| self.fluent[*p]).cloned().collect();
-        for ground in actions {
-            for effect in &self.domain.actions[ground.action].effects {
-                if effect.adds {
-                    self.instances(effect, &mut ground.arguments.clone(), &mut |_, atom| {
-                        atoms.insert(atom);
-                    });
+    /// Finds the possible atoms: what holds at the start or is added by an action that may happen, as far as it changes
+    /// at all. Deletions are not looked at, so it may be too many.
+    fn reach(&mut self, actions: &[GroundAction]) {
+        self.possible
+            .retain(|(predicate, _)| self.fluent[*predicate]);
+        loop {
+            let mut more = Vec::new();
+            for ground in actions {
+                let schema = &self.domain.actions[ground.action];
+                let values = &mut ground.arguments.clone();
+                if self.condition(&schema.precondition, values) == Condition::never() {
+                    continue;
+                }
+                for effect in schema.effects.iter().filter(|effect| effect.adds) {
+                    self.instances(effect, values, &mut |_, atom| more.push(atom));
                 }
             }
+            let before = self.possible.len();
+            self.possible.extend(more);
+            if self.possible.len() == before {
+                return;
+            }
         }
-        atoms
     }
 
     /// Calls `found` with every atom of an effect and the condition for it, unless that can never hold.
@@ -230,7 +242,7 @@ impl Grounder<'_> {
         (literal.predicate, arguments.collect())
     }
 
-    /// The condition on facts; before these are known, every atom that changes stands for fact 0.
+    /// The condition on facts; before these are known, every atom that is possible so far stands for fact 0.
     fn condition(&self, formula: &Formula, values: &mut Vec<ObjectId>) -> Condition {
         match formula {
             Formula::Atom(literal) => {
@@ -243,7 +255,8 @@ impl Grounder<'_> {
                         let fact = facts.get(&atom);
                         fact.map_or_else(Condition::never, |&fact| Condition::Holds(fact))
                     }
-                    None => Condition::Holds(Fact(0)),
+                    None if self.possible.contains(&atom) => Condition::Holds(Fact(0)),
+                    None => Condition::never(),
                 }
             }
             Formula::Equal(one, other) => {

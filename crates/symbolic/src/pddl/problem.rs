@@ -5,6 +5,10 @@ use super::formula::Scope;
 use super::parse::define;
 use super::source::{PddlError, Source};
 use super::syntax::{Atom, DomainFile, Formula, Literal, Term, TypeId};
+use super::vocabulary::SceneProblem;
+use crate::contact::ContactState;
+use crate::domain::Domain;
+use crate::goal::Goal;
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
@@ -21,6 +25,20 @@ pub struct Problem {
 }
 
 impl Problem {
+    /// The problem of a scene in the words of a domain: what there is, how it is at the start, what is asked for.
+    ///
+    /// # Errors
+    /// [`PddlError`] if the domain uses predicates that no scene and no action makes true.
+    pub fn of_scene(
+        file: &DomainFile,
+        domain: &Domain,
+        start: &ContactState,
+        goal: &Goal,
+        release_at_end: bool,
+    ) -> Result<Self, PddlError> {
+        Ok(SceneProblem::new(file, domain, start, goal, release_at_end)?.problem)
+    }
+
     /// Reads the text of a problem of `domain` that people know as `name`.
     ///
     /// # Errors
