@@ -4,8 +4,8 @@ use crate::api::Error;
 use nalgebra::Vector3;
 use scene::{Objective, Owner, Role, Scene};
 use symbolic::{
-    ContactState, ContactType, Domain, Goal, GoalPair, GraphOptions, InterfaceId, SearchLimits,
-    SkeletonGraph,
+    ContactState, ContactType, Domain, Goal, GoalPair, GraphOptions, InterfaceId, Manipulation,
+    SearchLimits, SkeletonGraph,
 };
 
 /// Cosine of the angle from which on two normals count as opposite.
@@ -94,10 +94,15 @@ pub fn graph(scene: &Scene) -> Result<(SkeletonGraph, SearchLimits), Error> {
         ending: ending(scene),
         ..SearchLimits::default()
     };
-    Ok((
-        SkeletonGraph::new(domain(scene)?, start, goal, options)?,
-        limits,
-    ))
+    let domain = domain(scene)?;
+    let graph = match &scene.search.domain {
+        None => SkeletonGraph::new(domain, start, goal, options)?,
+        Some(file) => {
+            let actions = Manipulation::of(file, &domain, &start, &goal, options.release_at_end)?;
+            SkeletonGraph::with_manipulation(domain, start, goal, options, actions)?
+        }
+    };
+    Ok((graph, limits))
 }
 
 /// Sequences end in the first goal state; without goal contacts but with regions or an objective, anywhere.

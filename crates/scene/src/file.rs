@@ -374,6 +374,9 @@ pub(crate) struct SearchEntry {
     pub max_changes: Option<At<usize>>,
     /// May free hands make supporting contacts; default false.
     pub support_hands: Option<bool>,
+    /// Path of a PDDL domain (.pddl) whose actions move the objects, relative to the scene file; default: the built-in
+    /// one (grasp, lift, place, release).
+    pub domain: Option<At<String>>,
 }
 
 /// Options of the trajectory optimisation.

@@ -3,6 +3,7 @@
 use multibody::Model;
 use nalgebra::{Matrix3, Vector3};
 use spatial::Pose;
+use symbolic::pddl::DomainFile;
 use symbolic::{Contact, ContactType, InterfaceId};
 
 /// A convex primitive, centred at its own frame.
@@ -176,6 +177,8 @@ pub struct SearchOptions {
     pub max_changes: usize,
     /// May free hands make supporting contacts.
     pub support_hands: bool,
+    /// The actions that move objects; `None`: the built-in ones.
+    pub domain: Option<DomainFile>,
 }
 
 /// Options of the optimiser (`[optimiser]` of a scene file).

@@ -68,13 +68,13 @@ pub(crate) fn read(source: &Source) -> Result<Expression, PddlError> {
                 open.push((Vec::new(), span.start));
                 continue;
             }
-            ")" => match open.pop() {
-                Some((elements, start)) => Expression::List(elements, start..span.end),
-                None => {
+            ")" => {
+                let Some((elements, start)) = open.pop() else {
                     let problem = "\")\" without \"(\" before it";
                     return Err(source.error(span, problem, "begin with (define (domain …) …)"));
-                }
-            },
+                };
+                Expression::List(elements, start..span.end)
+            }
             word => Expression::Symbol(word.to_lowercase(), span),
         };
         match open.last_mut() {

@@ -4,7 +4,9 @@
 //! are false. What is left becomes facts and operators of a [`Task`].
 
 use super::problem::Problem;
-use super::syntax::{ActionSchema, Atom, DomainFile, Effect, Formula, ObjectId, Term, TypeId};
+use super::syntax::{
+    ActionSchema, Atom, DomainFile, Effect, Formula, Literal, ObjectId, Term, TypeId,
+};
 use crate::error::SymbolicError;
 use crate::task::{Change, Condition, Fact, FactSet, Operator, Task};
 use std::collections::{BTreeMap, BTreeSet};
@@ -213,7 +215,7 @@ impl Grounder<'_> {
             });
             let condition = Condition::all(conditions);
             if condition != Condition::never() {
-                found(condition, self.atom(&effect.atom, values));
+                found(condition, atom(&effect.atom, values));
             }
             true
         });
@@ -237,16 +239,11 @@ impl Grounder<'_> {
         })
     }
 
-    fn atom(&self, literal: &super::syntax::Literal, values: &[ObjectId]) -> Atom {
-        let arguments = literal.arguments.iter().map(|&term| value(term, values));
-        (literal.predicate, arguments.collect())
-    }
-
     /// The condition on facts; before these are known, every atom that is possible so far stands for fact 0.
     fn condition(&self, formula: &Formula, values: &mut Vec<ObjectId>) -> Condition {
         match formula {
             Formula::Atom(literal) => {
-                let atom = self.atom(literal, values);
+                let atom = atom(literal, values);
                 match &self.facts {
                     _ if !self.fluent[literal.predicate] => {
                         Condition::constant(self.problem.init.contains(&atom))
@@ -324,6 +321,11 @@ impl Grounder<'_> {
         }
         Some((requires, changes))
     }
+}
+
+fn atom(literal: &Literal, values: &[ObjectId]) -> Atom {
+    let arguments = literal.arguments.iter().map(|&term| value(term, values));
+    (literal.predicate, arguments.collect())
 }
 
 fn value(term: Term, values: &[ObjectId]) -> ObjectId {

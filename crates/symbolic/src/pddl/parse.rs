@@ -19,6 +19,9 @@ const REQUIREMENTS: [&str; 10] = [
     ":adl",
 ];
 
+/// A name, where it stands, and its type if one is given.
+type Declared<'e> = (&'e str, &'e Expression, Option<&'e Expression>);
+
 /// The domain that is used when a scene names none.
 const BUILTIN: &str = include_str!("manipulation.pddl");
 
@@ -214,11 +217,8 @@ impl DomainFile {
     }
 
     /// The names of `a b - kind c`, each with what stands behind its dash.
-    fn groups<'e>(
-        &self,
-        list: &'e [Expression],
-    ) -> Result<Vec<(&'e str, &'e Expression, Option<&'e Expression>)>, PddlError> {
-        let mut groups: Vec<(&str, &Expression, Option<&Expression>)> = Vec::new();
+    fn groups<'e>(&self, list: &'e [Expression]) -> Result<Vec<Declared<'e>>, PddlError> {
+        let mut groups: Vec<Declared<'e>> = Vec::new();
         let mut first = 0;
         let mut elements = list.iter();
         while let Some(element) = elements.next() {
@@ -251,7 +251,7 @@ impl DomainFile {
         &self,
         list: &'e [Expression],
     ) -> Result<Vec<(String, &'e Expression, TypeId)>, PddlError> {
-        let with_type = |(name, expression, kind): (&str, &'e Expression, Option<&Expression>)| {
+        let with_type = |(name, expression, kind): Declared<'e>| {
             let kind = kind.map_or(Ok(0), |kind| self.type_of(kind))?;
             Ok((name.to_owned(), expression, kind))
         };

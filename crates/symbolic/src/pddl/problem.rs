@@ -139,9 +139,9 @@ impl Problem {
                 ..
             }) => {
                 let _ = write!(text, "({}", domain.predicates[*predicate].name);
-                arguments.iter().for_each(|term| {
+                for term in arguments {
                     let _ = write!(text, " {}", name(term));
-                });
+                }
                 text.push(')');
             }
             Formula::Equal(one, other) => {
