@@ -3,11 +3,14 @@
 use crate::api::Error;
 use nalgebra::Vector3;
 use scene::{Objective, Owner, Role, Scene};
+use symbolic::pddl::{DomainFile, Problem};
 use symbolic::{
-    ContactState, ContactType, Domain, Goal, GoalPair, GraphOptions, InterfaceId, Manipulation,
-    SearchLimits, SkeletonGraph,
+    ContactType, Domain, Goal, GraphOptions, InterfaceId, Manipulation, SearchLimits,
+    SkeletonGraph, SymbolicError,
 };
 
+/// Are the goal's objects let go at the end.
+const RELEASE_AT_END: bool = true;
 /// Cosine of the angle from which on two normals count as opposite.
 const OPPOSITE: f64 = -0.98;
 /// Share of the distance between two patches by which they may be offset sideways and still form a squeeze.
@@ -66,28 +69,39 @@ fn squeezes(scene: &Scene) -> Vec<(InterfaceId, InterfaceId)> {
     out
 }
 
+/// The contact pairs of the scene's goal.
+fn goal(scene: &Scene) -> Goal {
+    Goal::of_pairs(scene.goal_contacts.iter().map(|g| (g.a, g.b)))
+}
+
+/// The PDDL domain of a scene, the built-in one if it names none, and the problem that the scene poses in it.
+///
+/// # Errors
+/// If interfaces and objects do not make a domain, or the PDDL domain does not fit them.
+pub fn pddl(scene: &Scene) -> Result<(DomainFile, Problem), Error> {
+    let file = scene
+        .search
+        .domain
+        .clone()
+        .unwrap_or_else(DomainFile::builtin);
+    let (domain, goal) = (domain(scene)?, goal(scene));
+    let start = scene.start_state();
+    let problem = Problem::of_scene(&file, &domain, &start, &goal, RELEASE_AT_END);
+    Ok((file, problem.map_err(SymbolicError::from)?))
+}
+
 /// The skeleton-constrained graph of a scene, and the bounds of its search.
 ///
 /// # Errors
 /// If start, goal and domain do not fit together.
 pub fn graph(scene: &Scene) -> Result<(SkeletonGraph, SearchLimits), Error> {
-    let start: ContactState = scene.start_contacts.iter().copied().collect();
-    let goal = Goal {
-        pairs: scene
-            .goal_contacts
-            .iter()
-            .map(|g| GoalPair {
-                a: g.a,
-                b: g.b,
-                kind: None,
-            })
-            .collect(),
-    };
+    let start = scene.start_state();
+    let goal = goal(scene);
     let options = GraphOptions {
         max_changes: scene.search.max_changes,
         support_hands: scene.search.support_hands,
         max_actions: scene.search.max_skeleton,
-        release_at_end: true,
+        release_at_end: RELEASE_AT_END,
     };
     let limits = SearchLimits {
         max_phases: scene.search.max_phases,
@@ -108,7 +122,6 @@ pub fn graph(scene: &Scene) -> Result<(SkeletonGraph, SearchLimits), Error> {
 /// Sequences end in the first goal state; without goal contacts but with regions or an objective, anywhere.
 fn ending(scene: &Scene) -> Option<symbolic::Ending> {
     let open = scene.goal_contacts.is_empty();
-    let anywhere =
-        open && (!scene.goal_regions.is_empty() || scene.objective == Objective::BaseHeight);
+    let anywhere = open && (!scene.goal_regions.is_empty() || scene.objective != Objective::Time);
     anywhere.then_some(symbolic::Ending::Every)
 }

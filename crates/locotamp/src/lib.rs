@@ -16,7 +16,7 @@ mod solve;
 mod summary;
 
 pub use api::{Attempt, Error, Event, Found, Impossible, Outcome, Reached, Request};
-pub use domain::{domain, graph};
+pub use domain::{domain, graph, pddl};
 pub use ocp::{Integrator, Preset, Refinement};
 pub use plan::Explanation;
 pub use quality::{Margin, Peak, Quality, Residuals, Swing};

@@ -12,6 +12,8 @@ fn region(lower: f64) -> GoalRegion {
         body: "box".into(),
         lower: [None, None, Some(lower)],
         upper: [Some(5.0), None, None],
+        yaw: None,
+        tilt: None,
         extra: plan::Extra::new(),
     }
 }
