@@ -87,7 +87,8 @@ pub fn pddl(scene: &Scene) -> Result<(DomainFile, Problem), Error> {
     let (domain, goal) = (domain(scene)?, goal(scene));
     let start = scene.start_state();
     let problem = Problem::of_scene(&file, &domain, &start, &goal, RELEASE_AT_END);
-    Ok((file, problem.map_err(SymbolicError::from)?))
+    let problem = problem.map_err(SymbolicError::from)?;
+    Ok((file, problem.named(&scene.name)))
 }
 
 /// The skeleton-constrained graph of a scene, and the bounds of its search.

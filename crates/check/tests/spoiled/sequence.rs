@@ -18,6 +18,17 @@ fn region(lower: f64) -> GoalRegion {
     }
 }
 
+/// The box, which never turns, has this heading and tilt.
+fn turned(yaw: Option<[f64; 2]>, tilt: Option<f64>) -> GoalRegion {
+    GoalRegion {
+        lower: [None; 3],
+        upper: [None; 3],
+        yaw,
+        tilt,
+        ..region(0.0)
+    }
+}
+
 /// Corruptions of the goal.
 pub(crate) fn goal_cases() -> Vec<Case> {
     vec![
@@ -26,6 +37,21 @@ pub(crate) fn goal_cases() -> Vec<Case> {
         }),
         case("a goal region missed", "goal_region", &[], lift(), |p| {
             p.goal_regions.push(region(1.2));
+        }),
+        case(
+            "a goal heading missed",
+            "goal_orientation",
+            &[],
+            lift(),
+            |p| {
+                p.goal_regions.push(turned(Some([1.0, 2.0]), None));
+            },
+        ),
+        case("a goal tilt missed", "goal_orientation", &[], lift(), |p| {
+            p.goal_regions.push(GoalRegion {
+                body: "foot".into(),
+                ..turned(None, Some(0.2))
+            });
         }),
     ]
 }
@@ -42,6 +68,15 @@ fn goals_that_are_missed() {
             .value,
         Some(0.0)
     );
+    let orientation = |yaw: [f64; 2]| {
+        let mut plan = lift();
+        plan.goal_regions.push(turned(Some(yaw), Some(0.01)));
+        let report = check(&plan, &Options::default());
+        report.row("goal_orientation").unwrap().value.unwrap()
+    };
+    assert_eq!(orientation([-0.1, 0.1]), 0.0);
+    assert_eq!(orientation([6.2, 6.4]), 0.0, "a full turn further");
+    assert!((orientation([0.1, 0.3]) - 0.1_f64.to_degrees()).abs() < 1e-9);
 }
 
 /// Corruptions of the contact sequence.

@@ -59,10 +59,9 @@
     :precondition (and
       (exists (?s - surface) (and (part-of ?s ?o) (gripped ?s)))
       (exists (?s - surface) (and (part-of ?s ?o) (down ?s))))
-    :effect (forall (?s - surface)
-      (when (part-of ?s ?o)
-        (and (not (down ?s))
-             (forall (?t - surface) (and (not (rests ?s ?t)) (not (sticks ?s ?t))))))))
+    :effect (and
+      (forall (?s - surface) (when (part-of ?s ?o) (not (down ?s))))
+      (forall (?s ?t - surface) (when (part-of ?s ?o) (and (not (rests ?s ?t)) (not (sticks ?s ?t)))))))
 
   ; A held object in the air comes to rest on a surface of the environment, or of an object that stands on something
   ; else than itself. Nothing is on the two surfaces face to face.

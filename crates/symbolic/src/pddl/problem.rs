@@ -5,7 +5,7 @@ use super::formula::Scope;
 use super::parse::define;
 use super::source::{PddlError, Source};
 use super::syntax::{Atom, DomainFile, Formula, Literal, Term, TypeId};
-use super::vocabulary::SceneProblem;
+use super::vocabulary::{SceneProblem, pddl_name};
 use crate::contact::ContactState;
 use crate::domain::Domain;
 use crate::goal::Goal;
@@ -37,6 +37,15 @@ impl Problem {
         release_at_end: bool,
     ) -> Result<Self, PddlError> {
         Ok(SceneProblem::new(file, domain, start, goal, release_at_end)?.problem)
+    }
+
+    /// The same under another name, in letters that PDDL allows.
+    #[must_use]
+    pub fn named(self, name: &str) -> Self {
+        Self {
+            name: pddl_name(name),
+            ..self
+        }
     }
 
     /// Reads the text of a problem of `domain` that people know as `name`.

@@ -114,8 +114,12 @@ impl<'d> SceneProblem<'d> {
         let free = names
             .into_iter()
             .find(|name| objects.iter().all(|(other, _)| other != name));
-        let kind = kinds.iter().find_map(|kind| self.file.types.find(kind));
-        objects.push((free.unwrap_or(name), kind.unwrap_or(0)));
+        let types = &self.file.types;
+        let untyped = (types.names.len() == 1).then_some(0);
+        let Some(kind) = kinds.iter().find_map(|kind| types.find(kind)).or(untyped) else {
+            return; // the domain does not speak of such parts
+        };
+        objects.push((free.unwrap_or(name), kind));
         self.parts.push(part);
     }
 
@@ -315,7 +319,7 @@ fn grasps(domain: &Domain) -> Vec<Vec<Contact>> {
 }
 
 /// Letters, digits, - and _, beginning with a letter, in small letters.
-fn pddl_name(name: &str) -> String {
+pub(super) fn pddl_name(name: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
     let letters = name.chars().map(|c| {
         if plain(c) {
