@@ -5,6 +5,7 @@ mod costs;
 mod domain;
 mod fixtures;
 mod graph;
+mod kinds;
 mod oracles;
 mod pddl;
 mod problems;

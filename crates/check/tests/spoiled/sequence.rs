@@ -49,7 +49,7 @@ pub(crate) fn goal_cases() -> Vec<Case> {
         ),
         case("a goal tilt missed", "goal_orientation", &[], lift(), |p| {
             p.goal_regions.push(GoalRegion {
-                body: "foot".into(),
+                body: "left_foot".into(),
                 ..turned(None, Some(0.2))
             });
         }),
