@@ -144,7 +144,8 @@ fn the_written_pddl_files_can_be_used_as_the_domain_of_the_scene() {
     assert_eq!(first[0], "grasp left_hand red_box red_box_handle");
     assert_eq!(first[3], "drop left_hand red_box red_box_handle");
 
-    let faulty = domain.replace("(can-rest ?s ?t)", "(can-fly ?s ?t)");
+    let rest = "(can-rest ?s ?t - surface)";
+    let faulty = domain.replace(rest, &format!("{rest} (can-fly ?s - surface)"));
     fs::write(path.join("pddl/domain.pddl"), faulty).unwrap();
     let output = locotamp(path, &["symbols", "own.toml", "--json"]);
     assert_eq!(output.status.code(), Some(2));
@@ -154,7 +155,7 @@ fn the_written_pddl_files_can_be_used_as_the_domain_of_the_scene() {
         stderr(&output)
     );
     assert!(
-        stderr(&output).contains("domain.pddl:21:5"),
+        stderr(&output).contains("domain.pddl:23:32"),
         "{}",
         stderr(&output)
     );

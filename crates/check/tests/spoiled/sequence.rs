@@ -18,7 +18,7 @@ fn region(lower: f64) -> GoalRegion {
     }
 }
 
-/// The box, which never turns, has this heading and tilt.
+/// The box has this heading and tilt.
 fn turned(yaw: Option<[f64; 2]>, tilt: Option<f64>) -> GoalRegion {
     GoalRegion {
         lower: [None; 3],
@@ -68,15 +68,22 @@ fn goals_that_are_missed() {
             .value,
         Some(0.0)
     );
-    let orientation = |yaw: [f64; 2]| {
+    // At the end the box has pitched by 0.1 rad.
+    let orientation = |yaw: [f64; 2], tilt: f64| {
         let mut plan = lift();
-        plan.goal_regions.push(turned(Some(yaw), Some(0.01)));
+        plan.goal_regions.push(turned(Some(yaw), Some(tilt)));
         let report = check(&plan, &Options::default());
-        report.row("goal_orientation").unwrap().value.unwrap()
+        report
+            .row("goal_orientation")
+            .unwrap()
+            .value
+            .unwrap()
+            .to_radians()
     };
-    assert_eq!(orientation([-0.1, 0.1]), 0.0);
-    assert_eq!(orientation([6.2, 6.4]), 0.0, "a full turn further");
-    assert!((orientation([0.1, 0.3]) - 0.1_f64.to_degrees()).abs() < 1e-9);
+    assert_eq!(orientation([-0.1, 0.1], 0.11), 0.0);
+    assert_eq!(orientation([6.2, 6.4], 0.11), 0.0, "a full turn further");
+    assert!((orientation([0.2, 0.3], 0.11) - 0.2).abs() < 1e-9);
+    assert!((orientation([-0.1, 0.1], 0.07) - 0.03).abs() < 1e-3);
 }
 
 /// Corruptions of the contact sequence.
