@@ -54,6 +54,7 @@ pub(crate) enum Category {
     ObjectMoment,
     Goal,
     GoalRegion,
+    GoalOrientation,
     Transitions,
     MuR,
     InterfaceSurface,
@@ -113,7 +114,7 @@ const fn same(tolerance: f64) -> (f64, f64) {
 
 /// All categories, in the order of [`Category`].
 #[rustfmt::skip]
-pub(crate) static SPECS: [Spec; 47] = [
+pub(crate) static SPECS: [Spec; 48] = [
     spec(C::Schema, "schema", "sizes, numbers, names, types and kinds that do not agree (count)", "", same(0.0), Fail),
     spec(C::Quaternion, "quaternion", "| |quaternion| - 1 |", "", same(1e-5), Fail),
     spec(C::TimeGrid, "time_grid", "time[t+1] - time[t] vs duration / steps; durations > 0", "s", same(1e-6), Fail),
@@ -151,6 +152,7 @@ pub(crate) static SPECS: [Spec; 47] = [
     spec(C::ObjectMoment, "object_moment", "object Newton-Euler, moment rows", "N m", (0.05, 0.01), Fail),
     spec(C::Goal, "goal", "goal contacts the last phase does not list (count)", "", same(0.0), Fail),
     spec(C::GoalRegion, "goal_region", "body outside its goal region at the last node", "m", (1e-3, 1e-4), Fail),
+    spec(C::GoalOrientation, "goal_orientation", "heading or tilt outside its goal region at the last node", "deg", (0.1, 0.02), Fail),
     spec(C::Transitions, "transitions", "two partners, switching or retyping without a free phase (count)", "", same(0.0), Fail),
     spec(C::MuR, "mu_r", "unilateral patch: mu_r beyond mu x mean radius of a", "m", same(2e-3), Warn),
     spec(C::InterfaceSurface, "interface_surface", "object or static patch off its body's surface", "m", same(2e-3), Warn),

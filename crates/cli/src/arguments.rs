@@ -36,11 +36,9 @@ pub(crate) enum Command {
         /// Print the text of this scene
         name: Option<String>,
     },
-    /// Show interfaces and possible contacts of a scene, and what the pruning rules leave
-    Symbols {
-        /// Name of a built-in scene, or path of a .toml file
-        scene: String,
-    },
+    /// Show interfaces, possible contacts, limits and skeletons of a scene, and what the pruning rules leave
+    #[command(after_help = EXIT_CODES)]
+    Symbols(SymbolsOptions),
 }
 
 impl Command {
@@ -51,7 +49,8 @@ impl Command {
             Self::Solve(options) => options.json,
             Self::Bench(options) => options.json,
             Self::Check(options) => options.json,
-            Self::Scenes { .. } | Self::Symbols { .. } => false,
+            Self::Symbols(options) => options.json,
+            Self::Scenes { .. } => false,
         }
     }
 }
@@ -212,6 +211,39 @@ pub(crate) struct BenchOptions {
     pub quiet: bool,
 }
 
+#[derive(Debug, Args)]
+pub(crate) struct SymbolsOptions {
+    /// Name of a built-in scene, or path of a .toml file
+    pub scene: String,
+    /// Write a graph to this file, for Graphviz
+    #[arg(long, value_name = "FILE")]
+    pub dot: Option<PathBuf>,
+    /// Write a graph to this file, as JSON
+    #[arg(long, value_name = "FILE")]
+    pub graph_json: Option<PathBuf>,
+    /// Which graph is written
+    #[arg(long, value_enum, default_value_t = GraphName::Skeletons)]
+    pub graph: GraphName,
+    /// Most nodes of the graph of contact states that is written
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = nodes)]
+    pub nodes: usize,
+    /// Write domain.pddl and problem.pddl into this folder, for other planners
+    #[arg(long, value_name = "DIR")]
+    pub pddl: Option<PathBuf>,
+    /// One JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// The graphs by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum GraphName {
+    /// Manipulation states and the actions of skeletons
+    Skeletons,
+    /// Contact states along skeletons, breadth first from the start
+    Contacts,
+}
+
 /// The presets by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum PresetName {
@@ -290,6 +322,13 @@ fn seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value > 0.0 => Ok(value),
         _ => Err("expected a positive number of seconds".into()),
+    }
+}
+
+fn nodes(text: &str) -> Result<usize, String> {
+    match text.parse::<usize>() {
+        Ok(value @ 1..=1_000_000) => Ok(value),
+        _ => Err("expected a whole number from 1 to 1000000".into()),
     }
 }
 

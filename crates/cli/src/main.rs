@@ -19,6 +19,9 @@ mod result_json;
 mod result_text;
 mod scene_commands;
 mod solve_command;
+mod symbols_command;
+mod symbols_graph;
+mod symbols_text;
 
 use arguments::{Arguments, Command};
 use clap::Parser;
@@ -49,7 +52,7 @@ fn main() -> ExitCode {
         Command::Bench(options) => bench_command::run(options),
         Command::Check(options) => check_command::run(options),
         Command::Scenes { name } => scene_commands::scenes(name.as_deref()),
-        Command::Symbols { scene } => scene_commands::symbols(scene),
+        Command::Symbols(options) => symbols_command::run(options),
     };
     match done {
         Ok(exit) => exit.into(),

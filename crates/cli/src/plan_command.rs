@@ -48,7 +48,10 @@ impl Row {
         let plan = &alternative.plan;
         let limits = plan.robot.torque_limits.as_deref().unwrap_or_default();
         let ratio = |(torque, limit): (&f64, &Option<f64>)| limit.map_or(0.0, |l| torque.abs() / l);
-        let ratios = plan.tau.iter().flat_map(|row| row.iter().zip(limits).map(ratio));
+        let ratios = plan
+            .tau
+            .iter()
+            .flat_map(|row| row.iter().zip(limits).map(ratio));
         Self {
             number: alternative.number,
             duration: alternative.duration,

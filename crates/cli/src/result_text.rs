@@ -59,7 +59,11 @@ fn alternatives(finished: &Finished) -> String {
             row.slip,
             row.loaded,
             row.contacts,
-            if row.verdict.ok() { "" } else { " (rejected by the checker)" },
+            if row.verdict.ok() {
+                ""
+            } else {
+                " (rejected by the checker)"
+            },
         );
     }
     text.push('\n');

@@ -136,7 +136,11 @@ impl<'a> Checks<'a> {
     pub fn names(&self, state: &ContactState) -> Vec<String> {
         let name = |i: symbolic::InterfaceId| &self.scene.interfaces[i.0].name;
         let words = |c: Contact| {
-            let verb = if c.kind.is_unilateral() { "on" } else { "holds" };
+            let verb = if c.kind.is_unilateral() {
+                "on"
+            } else {
+                "holds"
+            };
             format!("{} {verb} {}", name(c.a), name(c.b))
         };
         state.iter().map(words).collect()
@@ -156,7 +160,9 @@ impl<'a> Checks<'a> {
             return known.clone();
         }
         let clock = Instant::now();
-        let keyframes = self.planner.keyframes_of_prefix_quickly(phases, self.settings);
+        let keyframes = self
+            .planner
+            .keyframes_of_prefix_quickly(phases, self.settings);
         let answer = self.answer(states, &keyframes, clock);
         self.journal.note_prefix(answer.clone());
         answer
@@ -167,9 +173,8 @@ impl<'a> Checks<'a> {
     fn is_telling(&self, from: &ContactState, to: &ContactState) -> bool {
         let interface = |i: symbolic::InterfaceId| &self.scene.interfaces[i.0];
         let made = to.iter().filter(|c| !from.contains(c));
-        let on_ground = |c: &Contact| {
-            interface(c.a).role == Role::Foot && interface(c.b).half_size.is_none()
-        };
+        let on_ground =
+            |c: &Contact| interface(c.a).role == Role::Foot && interface(c.b).half_size.is_none();
         made.into_iter().any(|c| !on_ground(&c))
     }
 

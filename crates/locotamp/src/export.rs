@@ -135,6 +135,8 @@ pub fn plan(scene: &Scene, labels: &[String], motion: &mut Motion) -> Plan {
                 body: goal_body(scene, &r.body),
                 lower: std::array::from_fn(|i| r.lower[i].is_finite().then_some(r.lower[i])),
                 upper: std::array::from_fn(|i| r.upper[i].is_finite().then_some(r.upper[i])),
+                yaw: r.yaw,
+                tilt: r.tilt,
                 extra: Extra::new(),
             })
             .collect(),

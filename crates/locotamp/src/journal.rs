@@ -36,7 +36,13 @@ pub struct Header {
 }
 
 impl Header {
-    pub(crate) fn new(scene: &str, search: &str, seed: u64, content: &str, max_phases: usize) -> Self {
+    pub(crate) fn new(
+        scene: &str,
+        search: &str,
+        seed: u64,
+        content: &str,
+        max_phases: usize,
+    ) -> Self {
         Self {
             format: FORMAT.into(),
             scene: scene.into(),
@@ -172,7 +178,8 @@ impl Journal {
         let file = file.map_err(|error| failed(error.to_string()))?;
         if known {
             // What was being written when the run was killed goes.
-            file.set_len(whole).map_err(|error| failed(error.to_string()))?;
+            file.set_len(whole)
+                .map_err(|error| failed(error.to_string()))?;
         }
         drop(file);
         let file = OpenOptions::new().append(true).open(path);
@@ -190,7 +197,9 @@ impl Journal {
         let (mut whole, mut number) = (0, 0);
         loop {
             let mut text = String::new();
-            let read = reader.read_line(&mut text).map_err(|error| error.to_string())?;
+            let read = reader
+                .read_line(&mut text)
+                .map_err(|error| error.to_string())?;
             if read == 0 || !text.ends_with('\n') {
                 return Ok(whole);
             }
@@ -202,8 +211,14 @@ impl Journal {
                     return Err(format!(
                         "it is of another run (scene {}, search {}, seed {}, fingerprint {}; now {}, {}, {}, {}): start \
                          without resuming, or in another folder",
-                        found.scene, found.search, found.seed, found.fingerprint, header.scene, header.search,
-                        header.seed, header.fingerprint
+                        found.scene,
+                        found.search,
+                        found.seed,
+                        found.fingerprint,
+                        header.scene,
+                        header.search,
+                        header.seed,
+                        header.fingerprint
                     ));
                 }
                 Line::Run(_) => {}

@@ -19,7 +19,7 @@ mod summary;
 pub use api::{
     Alternative, Attempt, Error, Event, Found, Impossible, Outcome, Reached, Request, Search, Stop,
 };
-pub use domain::{domain, graph};
+pub use domain::{domain, graph, pddl};
 pub use ocp::{Integrator, Preset, Refinement};
 pub use plan::Explanation;
 pub use quality::{Margin, Peak, Quality, Residuals, Swing};

@@ -102,7 +102,9 @@ impl Planner<'_> {
 
     /// The same without the last, slow attempts: for beginnings that a search comes across by the hundred.
     pub fn keyframes_of_prefix_quickly(&self, phases: &[Phase], settings: &Settings) -> Keyframes {
-        Ask::new(self, phases, settings, Grid::OpenKeyframes).attempts().0
+        Ask::new(self, phases, settings, Grid::OpenKeyframes)
+            .attempts()
+            .0
     }
 }
 

@@ -64,7 +64,7 @@ pub struct Weights {
     pub time: f64,
     /// Collision penalties of the paper preset.
     pub penalty: f64,
-    /// Height of the base at the end, for the objective "base height" [1/m].
+    /// Distance along the direction of the objective at the end: height of the base, reach of a body [1/m].
     pub height: f64,
 }
 

@@ -275,7 +275,7 @@ pub struct GoalContact {
     pub extra: Extra,
 }
 
-/// A box of the world in which the origin of a body must be at the last node.
+/// A box of the world in which the origin of a body must be at the last node, and how the body must be turned there.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct GoalRegion {
     /// Object, robot link or interface.
@@ -284,6 +284,12 @@ pub struct GoalRegion {
     pub lower: [Option<f64>; 3],
     /// Greatest x, y, z [m]; `null`: unbounded.
     pub upper: [Option<f64>; 3],
+    /// Least and greatest heading of its x axis about the world's z [rad].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub yaw: Option<[f64; 2]>,
+    /// Greatest angle between its z axis and the world's [rad].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tilt: Option<f64>,
     /// Unknown keys.
     #[serde(flatten)]
     pub extra: Extra,

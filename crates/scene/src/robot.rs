@@ -138,7 +138,8 @@ fn find_texts(name: &str, place: Place, base_dir: &Path) -> Result<Texts, SceneE
     }
 }
 
-fn read(path: &Path, place: &Place) -> Result<String, SceneError> {
+/// The text of a file that is named at `place`.
+pub(crate) fn read(path: &Path, place: &Place) -> Result<String, SceneError> {
     std::fs::read_to_string(path).map_err(|error| {
         let fault = Fault::Read {
             path: path.display().to_string(),

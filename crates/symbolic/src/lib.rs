@@ -44,7 +44,8 @@ mod domain;
 mod error;
 mod goal;
 mod graph;
-pub mod manipulation;
+mod manipulation;
+pub mod pddl;
 pub mod search;
 pub mod state_rules;
 pub mod statistics;
@@ -65,5 +66,5 @@ pub use search::{
     Verdict,
 };
 pub use successors::successors;
-pub use task::{Condition, Fact, FactSet, Operator, Task};
+pub use task::{Change, Condition, Fact, FactSet, Operator, Task};
 pub use task_graph::{TaskEdge, TaskGraph, TaskState};

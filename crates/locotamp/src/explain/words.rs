@@ -22,7 +22,7 @@ pub(super) fn group(category: &str) -> &'static str {
         "joint range" => "joint range",
         "contact force" | "grasp strength" | "centre of pressure" => "contact force",
         "clearance" => "clearance",
-        "goal region" => "goal",
+        "goal region" | "goal orientation" => "goal",
         "phase duration" => "duration",
         "equations of motion" | "momentum" => "dynamics",
         _ => "geometry",

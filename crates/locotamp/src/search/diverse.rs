@@ -24,7 +24,11 @@ impl Diverse {
     /// Takes a plan unless a cheaper one does the same.
     pub fn offer(&mut self, plan: Alternative) {
         let same = |other: &Alternative| other.loaded == plan.loaded;
-        if self.plans.iter().any(|other| same(other) && other.cost <= plan.cost) {
+        if self
+            .plans
+            .iter()
+            .any(|other| same(other) && other.cost <= plan.cost)
+        {
             return;
         }
         self.plans.retain(|other| !same(other));
@@ -43,10 +47,11 @@ pub(super) fn loaded(plan: &Plan, weight: f64) -> Vec<Vec<String>> {
         let mut contacts: Vec<String> = Vec::new();
         for contact in &phase.contacts {
             let most = contact.wrench.iter().map(force).fold(0.0, f64::max);
-            let of_object = plan
-                .objects
-                .iter()
-                .any(|o| plan.interfaces.iter().any(|i| i.name == contact.a && i.body == o.name));
+            let of_object = plan.objects.iter().any(|o| {
+                plan.interfaces
+                    .iter()
+                    .any(|i| i.name == contact.a && i.body == o.name)
+            });
             if of_object || most > LOADED * weight {
                 contacts.push(format!("{} on {}", contact.a, contact.b));
             }

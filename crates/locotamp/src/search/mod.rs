@@ -15,9 +15,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Instant;
 
-use crate::api::{
-    Alternative, Attempt, Error, Event, Found, Outcome, Reached, Request, Search,
-};
+use crate::api::{Alternative, Attempt, Error, Event, Found, Outcome, Reached, Request, Search};
 use crate::checks::Checks;
 use crate::journal::{Header, Journal, Tried};
 use crate::{domain, refine, summary};
@@ -71,7 +69,13 @@ pub fn plan(
         Some(path) => {
             let content = format!("{scene:?} {settings:?}");
             let name = request.search.name();
-            let header = Header::new(&scene.name, name, request.seed, &content, policy.max_phases());
+            let header = Header::new(
+                &scene.name,
+                name,
+                request.seed,
+                &content,
+                policy.max_phases(),
+            );
             Journal::open(path, request.resume, &header)?
         }
         None => Journal::default(),
@@ -220,7 +224,12 @@ impl Run<'_> {
 
     /// Why the search ends now, if it does.
     fn is_over(&mut self) -> Option<String> {
-        let count = |reached| self.attempts.iter().filter(|a| a.reached == reached).count();
+        let count = |reached| {
+            self.attempts
+                .iter()
+                .filter(|a| a.reached == reached)
+                .count()
+        };
         let feasible = count(Reached::Feasible);
         let optimised = feasible + count(Reached::Optimised);
         let request = self.request;
@@ -261,7 +270,11 @@ impl Run<'_> {
             number,
             labels: sequence.labels.clone(),
         });
-        let states = sequence.states.iter().map(|s| self.checks.names(s)).collect();
+        let states = sequence
+            .states
+            .iter()
+            .map(|s| self.checks.names(s))
+            .collect();
         let known = self.checks.journal.take_sequence(&states);
         if known.is_none()
             && let Some(reason) = self.alike(&sequence)
@@ -506,9 +519,15 @@ impl Run<'_> {
         reward: f64,
         done: Option<(&Evaluated, bool)>,
     ) {
-        let keep = |(done, best): (&Evaluated, bool)| (done.feasible || best).then(|| (&done.point).into());
+        let keep = |(done, best): (&Evaluated, bool)| {
+            (done.feasible || best).then(|| (&done.point).into())
+        };
         self.policy.learn(&sequence.states, reward);
-        let states = sequence.states.iter().map(|s| self.checks.names(s)).collect();
+        let states = sequence
+            .states
+            .iter()
+            .map(|s| self.checks.names(s))
+            .collect();
         self.checks.journal.note_sequence(Tried {
             number: attempt.number,
             at: self.shop.begin.elapsed().as_secs_f64(),

@@ -117,8 +117,8 @@ impl Shop<'_> {
         let mut motion = match job.from {
             From::Known(point) => planner.restore(phases, settings, point.into()),
             From::Keyframes(nodes, relative) => {
-                let near = relative
-                    .and_then(|r| planner.motion_from(phases, settings, &r, &mut watch));
+                let near =
+                    relative.and_then(|r| planner.motion_from(phases, settings, &r, &mut watch));
                 near.unwrap_or_else(|| planner.motion(phases, settings, &nodes, &mut watch))
             }
         };
@@ -136,9 +136,7 @@ impl Shop<'_> {
             reason: summary::resistance(scene, motion),
             worst_phase: motion.worst.as_ref().map(|w| w.phase),
             point: motion.point.clone(),
-            plan: motion
-                .feasible
-                .then(|| export::plan(scene, labels, motion)),
+            plan: motion.feasible.then(|| export::plan(scene, labels, motion)),
             relative: motion.feasible.then(|| Arc::new(motion.relative())),
         }
     }

@@ -172,6 +172,8 @@ pub fn random_scene(seed: u64) -> Scene {
             body: "box".into(),
             lower: Vector3::new(-1.0, -1.0, f64::NEG_INFINITY),
             upper: Vector3::new(1.0, 1.0, f64::INFINITY),
+            yaw: Some([-2.0, 1.5]),
+            tilt: Some(1.2),
         }],
         objective: Objective::BaseHeight,
         search: SearchOptions {
@@ -179,6 +181,7 @@ pub fn random_scene(seed: u64) -> Scene {
             max_skeleton: None,
             max_changes: 1,
             support_hands: true,
+            domain: None,
         },
         optimiser: OptimiserOptions {
             steps: 3,

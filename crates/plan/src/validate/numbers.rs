@@ -79,7 +79,9 @@ impl Faults {
         for (i, region) in plan.goal_regions.iter().enumerate() {
             self.finite(
                 &format!("goal_regions[{i}]"),
-                region.lower.iter().chain(&region.upper).flatten(),
+                (region.lower.iter().chain(&region.upper).flatten())
+                    .chain(region.yaw.iter().flatten())
+                    .chain(&region.tilt),
             );
         }
         for (k, phase) in plan.phases.iter().enumerate() {

@@ -265,10 +265,7 @@ impl Policy for BestFirst {
     }
 
     fn reject(&mut self, what: Rejected, reason: String) {
-        let rejection = Rejection {
-            what,
-            reason,
-        };
+        let rejection = Rejection { what, reason };
         self.verdicts.reject(&mut self.expansion.graph, rejection);
     }
 
