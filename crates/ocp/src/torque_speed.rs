@@ -136,12 +136,40 @@ impl Trajectory {
 mod tests {
     use super::*;
 
+    /// Value of the row of a joint with limit 10, corner 4, no load at 8, all of it, and the bound on its size.
+    fn row(tau: f64, v: f64) -> (f64, f64) {
+        let slope = 1.0 / (8.0 - 4.0);
+        let row = |row, next| TorqueSpeedRow {
+            row,
+            coordinate: 0,
+            slope,
+            next,
+        };
+        let rows = TorqueSpeedRows {
+            rows: vec![row(0, false), row(1, true)],
+            block: Some(1),
+        };
+        let motion = Motion {
+            v: vec![v],
+            v_next: vec![v],
+            a: vec![0.0],
+            dt: 0.1,
+            dt_next: 0.1,
+            steps: 1.0,
+            steps_next: 1.0,
+        };
+        let mut values = [f64::NAN; 2];
+        rows.values(&[tau], &[10.0], &motion, &mut values);
+        assert_eq!(values[0].to_bits(), values[1].to_bits());
+        (values[0].abs(), slope * 8.0)
+    }
+
     #[test]
     fn the_row_bounds_a_motor_that_drives_and_not_one_that_brakes() {
-        // Limit 10, corner 4, no load 8, all of it: at 6 half of the torque is left.
-        let slope = 1.0 / (8.0 - 4.0);
-        let bound = slope * 8.0;
-        let inside = |tau: f64, v: f64| (tau / 10.0 + slope * v).abs() <= bound + 1e-12;
+        let inside = |tau: f64, v: f64| {
+            let (size, bound) = row(tau, v);
+            size <= bound + 1e-12
+        };
         assert!(inside(5.0, 6.0) && !inside(5.1, 6.0));
         assert!(inside(-5.0, -6.0) && !inside(-5.1, -6.0));
         assert!(inside(10.0, 4.0) && inside(10.0, -8.0) && inside(-10.0, 8.0));
