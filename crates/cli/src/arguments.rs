@@ -129,7 +129,7 @@ pub(crate) struct ProblemOptions {
     /// Write the optimiser's coarse motion as it is
     #[arg(long)]
     pub no_refine: bool,
-    /// Leave the joint torque limits out (to see what they change)
+    /// Leave the joint torque limits out, torque at speed too (to see what they change)
     #[arg(long)]
     pub no_torque_limits: bool,
 }
@@ -203,6 +203,9 @@ pub(crate) struct BenchOptions {
     /// How states follow from one another before the refinement
     #[arg(long, value_enum, default_value_t = IntegratorName::Euler)]
     pub integrator: IntegratorName,
+    /// Leave the joint torque limits out, torque at speed too (to see what they change)
+    #[arg(long)]
+    pub no_torque_limits: bool,
     /// One JSON list on standard output
     #[arg(long)]
     pub json: bool,

@@ -165,7 +165,7 @@ pub struct Settings {
     pub min_duration: f64,
     /// Longest phase [s].
     pub max_duration: f64,
-    /// Are the torque limits enforced.
+    /// Are the torque limits enforced, and with them what the robot declares of torque at speed.
     pub torque_limits: bool,
     /// Weights of the costs.
     pub weights: Weights,
@@ -205,5 +205,11 @@ impl Settings {
                 0.0
             },
         }
+    }
+
+    /// Does the torque that is available fall with speed, where the robot says so: wherever torque limits are enforced, but
+    /// not in the paper's problem, which has none of it.
+    pub fn torque_speed(&self) -> bool {
+        self.torque_limits && self.preset == Preset::Default
     }
 }
