@@ -1,5 +1,6 @@
 //! What can be written after `locotamp`.
 
+use crate::view_command::ViewOptions;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use locotamp::{Refinement, Request};
 use std::path::PathBuf;
@@ -31,6 +32,8 @@ pub(crate) enum Command {
     /// Judge a plan file: is every constraint satisfied
     #[command(after_help = EXIT_CODES)]
     Check(CheckOptions),
+    /// Write one page that shows plans in a browser: motion, contacts, torques, the checker's verdict
+    View(ViewOptions),
     /// List the built-in scenes, or print one to start from
     Scenes {
         /// Print the text of this scene
@@ -51,7 +54,7 @@ impl Command {
             Self::Solve(options) => options.json,
             Self::Bench(options) => options.json,
             Self::Check(options) => options.json,
-            Self::Scenes { .. } | Self::Symbols { .. } => false,
+            Self::View(_) | Self::Scenes { .. } | Self::Symbols { .. } => false,
         }
     }
 }

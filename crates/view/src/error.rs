@@ -1,0 +1,45 @@
+//! Why a plan cannot be shown.
+
+/// Why a plan cannot be shown.
+#[derive(Debug, thiserror::Error)]
+pub enum ViewError {
+    /// The plan contradicts itself.
+    #[error("{plan}: {source}; `locotamp check` lists all faults")]
+    Plan {
+        /// Name of the plan.
+        plan: String,
+        /// The first fault.
+        source: plan::PlanError,
+    },
+    /// The URDF inside the plan cannot be read.
+    #[error("{plan}: robot.urdf: {source}")]
+    Robot {
+        /// Name of the plan.
+        plan: String,
+        /// What is wrong with it.
+        source: multibody::ModelError,
+    },
+    /// A joint of the plan that the URDF does not have.
+    #[error("{plan}: robot.joints[{index}]: the URDF has no moving joint {joint:?}")]
+    UnknownJoint {
+        /// Name of the plan.
+        plan: String,
+        /// Place in the list.
+        index: usize,
+        /// The name.
+        joint: String,
+    },
+    /// An interface on a body that is neither an object, a static body nor a link.
+    #[error("{plan}: interfaces[{index}].body: no object, static body or link {body:?}")]
+    UnknownBody {
+        /// Name of the plan.
+        plan: String,
+        /// Place in the list.
+        index: usize,
+        /// The name.
+        body: String,
+    },
+    /// The page's data cannot be written as JSON: a bug.
+    #[error("the page's data cannot be written: {0}")]
+    Json(#[from] serde_json::Error),
+}
