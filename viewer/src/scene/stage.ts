@@ -266,9 +266,14 @@ export class Stage {
     this.pending = true;
     requestAnimationFrame(() => {
       this.pending = false;
-      this.frames += 1;
-      this.renderer.render(this.scene, this.camera);
+      this.draw();
     });
+  }
+
+  /** Draws now. */
+  draw(): void {
+    this.frames += 1;
+    this.renderer.render(this.scene, this.camera);
   }
 }
 
