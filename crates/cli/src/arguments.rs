@@ -1,5 +1,6 @@
 //! What can be written after `locotamp`.
 
+use crate::report_command::ReportOptions;
 use crate::view_command::ViewOptions;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use locotamp::{Refinement, Request};
@@ -34,6 +35,8 @@ pub(crate) enum Command {
     Check(CheckOptions),
     /// Write one page that shows plans in a browser: motion, contacts, torques, the checker's verdict
     View(ViewOptions),
+    /// Draw the figures of a paper: contact sequence, torques, snapshots, animated picture
+    Report(ReportOptions),
     /// List the built-in scenes, or print one to start from
     Scenes {
         /// Print the text of this scene
@@ -54,7 +57,7 @@ impl Command {
             Self::Solve(options) => options.json,
             Self::Bench(options) => options.json,
             Self::Check(options) => options.json,
-            Self::View(_) | Self::Scenes { .. } | Self::Symbols { .. } => false,
+            Self::View(_) | Self::Report(_) | Self::Scenes { .. } | Self::Symbols { .. } => false,
         }
     }
 }

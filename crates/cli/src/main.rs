@@ -16,6 +16,7 @@ mod plan_command;
 mod plan_file;
 mod progress;
 mod reasons;
+mod report_command;
 mod result_json;
 mod result_text;
 mod scene_commands;
@@ -51,6 +52,7 @@ fn main() -> ExitCode {
         Command::Bench(options) => bench_command::run(options),
         Command::Check(options) => check_command::run(options),
         Command::View(options) => view_command::run(options),
+        Command::Report(options) => report_command::run(options),
         Command::Scenes { name } => scene_commands::scenes(name.as_deref()),
         Command::Symbols { scene } => scene_commands::symbols(scene),
     };

@@ -39,6 +39,20 @@ pub enum ViewError {
         /// The name.
         body: String,
     },
+    /// A joint for a figure that the robot does not have.
+    #[error("no joint {joint:?}; the plan has {known}")]
+    NoSuchJoint {
+        /// The name.
+        joint: String,
+        /// The names there are.
+        known: String,
+    },
+    /// A figure cannot be drawn: a bug.
+    #[error("a figure cannot be drawn: {what}")]
+    Figure {
+        /// What the drawing library says.
+        what: String,
+    },
     /// The page's data cannot be written as JSON: a bug.
     #[error("the page's data cannot be written: {0}")]
     Json(#[from] serde_json::Error),

@@ -36,6 +36,14 @@ pub(crate) struct Motion<'a> {
     pub com: Vec<Vector3<f64>>,
 }
 
+/// Poses at one time.
+pub(crate) struct Moment {
+    /// The robot.
+    pub robot: Kinematics,
+    /// Objects in the world.
+    pub objects: Vec<Pose>,
+}
+
 impl<'a> Motion<'a> {
     /// Evaluates the plan called `name`.
     pub fn new(plan: &'a Plan, name: &str) -> Result<Self, ViewError> {
@@ -63,6 +71,35 @@ impl<'a> Motion<'a> {
             interfaces: interfaces.map(|(i, x)| (x.name.as_str(), i)).collect(),
             model,
         })
+    }
+
+    /// Robot and objects at a time [s], between nodes by interpolation.
+    pub fn at(&self, time: f64) -> Moment {
+        let times = &self.plan.time;
+        let last = times.len() - 2;
+        let t = times
+            .partition_point(|x| *x <= time)
+            .saturating_sub(1)
+            .min(last);
+        let share = ((time - times[t]) / (times[t + 1] - times[t])).clamp(0.0, 1.0);
+        let [from, to] =
+            [t, t + 1].map(|t| configuration(&self.model, &self.columns, &self.plan.q[t]));
+        let way: Vec<_> = self
+            .model
+            .difference(&from, &to)
+            .iter()
+            .map(|x| x * share)
+            .collect();
+        let mut robot = Kinematics::new(&self.model);
+        robot.update(&self.model, &self.model.integrate(&from, &way));
+        let between = |object| {
+            let [from, to] = [t, t + 1].map(|t| self.world_from_object(t, object));
+            from.plus(&(to.minus(&from) * share))
+        };
+        Moment {
+            robot,
+            objects: (0..self.plan.objects.len()).map(between).collect(),
+        }
     }
 
     /// Number of nodes.
@@ -138,18 +175,23 @@ fn evaluate(
     columns: &[Option<usize>],
 ) -> (Vec<Kinematics>, Vec<Vector3<f64>>) {
     let mut center = CenterOfMass::new(model);
-    let mut q = model.neutral();
-    let mut at = |row: &Vec<f64>| {
-        for (joint, column) in model.joints.iter().zip(columns) {
-            if let Some(column) = *column {
-                let n = joint.kind.nq();
-                q[joint.idx_q..joint.idx_q + n].copy_from_slice(&row[column..column + n]);
-            }
-        }
+    let at = |row: &Vec<f64>| {
         let mut kinematics = Kinematics::new(model);
-        kinematics.update(model, &q);
+        kinematics.update(model, &configuration(model, columns, row));
         let com = center.compute(model, &kinematics).0;
         (kinematics, com)
     };
-    plan.q.iter().map(&mut at).unzip()
+    plan.q.iter().map(at).unzip()
+}
+
+/// A row of the plan's `q` in the order of the model.
+fn configuration(model: &Model, columns: &[Option<usize>], row: &[f64]) -> Vec<f64> {
+    let mut q = model.neutral();
+    for (joint, column) in model.joints.iter().zip(columns) {
+        if let Some(column) = *column {
+            let n = joint.kind.nq();
+            q[joint.idx_q..joint.idx_q + n].copy_from_slice(&row[column..column + n]);
+        }
+    }
+    q
 }
