@@ -10,7 +10,7 @@ const bundle = await build({
   bundle: true,
   minify: true,
   format: "iife",
-  target: ["chrome100", "firefox100"],
+  target: ["chrome111", "firefox113"],
   legalComments: "inline",
   charset: "utf8",
   logLevel: "warning",

@@ -19,7 +19,7 @@ export interface Joint { parent: number | null; pose: Pose; kind: "free" | "turn
 export interface Axis {
   name: string;
   torque: number | null;
-  rated_torque: number | null;
+  enforced: boolean;
   speed: number | null;
   lower: number | null;
   upper: number | null;
@@ -71,6 +71,7 @@ export interface RawPlan {
   q: Table;
   rates: Table;
   tau: Table;
+  torque_share: Table;
   com: Table;
   check: { ok: boolean; rows: CheckRow[]; margins: { limit: string; largest: number; what: string; node: number | null }[] };
   quality: Quality | null;
@@ -137,6 +138,7 @@ export class Plan {
   readonly q: Rows;
   readonly rates: Rows;
   readonly tau: Rows;
+  readonly torqueShare: Rows;
   readonly com: Rows;
   readonly objectPose: Rows[];
   readonly phases: Phase[] = [];
@@ -151,10 +153,11 @@ export class Plan {
     this.q = decode(raw.q, `${name}: q`);
     this.rates = decode(raw.rates, `${name}: rates`);
     this.tau = decode(raw.tau, `${name}: tau`);
+    this.torqueShare = decode(raw.torque_share, `${name}: torque_share`);
     this.com = decode(raw.com, `${name}: com`);
     this.objectPose = raw.objects.map((object) => decode(object.pose, `${name}: object ${object.name}`));
     if (this.time.length < 2) throw new Error(`${name}: ${this.time.length} nodes, expected two or more`);
-    for (const [key, rows, least] of [["q", this.q, 0], ["com", this.com, 0], ["rates", this.rates, 0], ["tau", this.tau, 1]] as const) {
+    for (const [key, rows, least] of [["q", this.q, 0], ["com", this.com, 0], ["rates", this.rates, 0], ["tau", this.tau, 1], ["torque_share", this.torqueShare, 1]] as const) {
       if (rows.columns > 0 && rows.length !== this.time.length - least) {
         throw new Error(`${name}: ${key} has ${rows.length} rows, expected ${this.time.length - least}`);
       }

@@ -33,7 +33,7 @@ export class PlanView {
       this.stage = new Stage(plan, colors, canvas);
       canvas.addEventListener("pointerdown", () => { if (this.stage) this.stage.touched = true; });
     } catch (error) {
-      this.picture.append(el("p", { class: "apology" }, `No 3-D picture: ${(error as Error).message}. The charts below need none.`));
+      this.picture.append(el("p", { class: "apology" }, `No 3-D picture: ${(error as Error).message.replace(/\.$/, "")}. The charts below need none.`));
     }
     const divider = el("div", { class: "divider", title: "Drag to share the height" });
     divider.addEventListener("pointerdown", (event) => this.divide(event));

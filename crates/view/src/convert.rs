@@ -8,6 +8,7 @@ use crate::page_data::{
     PhaseData, PlanData, RegionData, RobotData, RowData, ShapeData, StaticData,
 };
 use crate::robot::{Look, looks};
+use crate::torques::TorqueLimits;
 use check::{Report, Series};
 use multibody::{JointKind, Shape};
 use plan::{ContactType, Geometry, Integrator, Plan, Status};
@@ -19,6 +20,8 @@ const POSE_STEP: f64 = 2e-5;
 const RATE_STEP: f64 = 2e-3;
 /// Resolution of torques [N m].
 const TORQUE_STEP: f64 = 0.02;
+/// Resolution of shares of limits.
+const SHARE_STEP: f64 = 1e-3;
 /// Resolution of forces [N] and moments [N m].
 const WRENCH_STEP: f64 = 0.02;
 /// Resolution of time [s].
@@ -29,10 +32,11 @@ const VISIBLE_RESIDUAL: f64 = 0.01;
 /// The data of one plan under the name by which the reader calls it.
 pub(crate) fn plan_data(motion: &Motion, name: &str, verdict: &(Report, Vec<Series>)) -> PlanData {
     let plan = motion.plan;
+    let limits = TorqueLimits::new(motion);
     let rows = |rows: &[Vec<f64>], from: usize, step| {
         Table::new(step, rows.iter().map(|row| row[from..].to_vec()))
     };
-    let q = continuous(plan.q.iter().map(|row| row.as_slice()), 3);
+    let q = continuous(plan.q.iter().map(Vec::as_slice), 3);
     PlanData {
         name: name.to_owned(),
         task: plan.task.clone(),
@@ -48,7 +52,7 @@ pub(crate) fn plan_data(motion: &Motion, name: &str, verdict: &(Report, Vec<Seri
             Integrator::SemiImplicitEuler => "semi-implicit Euler",
             Integrator::ConstantAcceleration => "constant acceleration",
         },
-        robot: robot_data(motion),
+        robot: robot_data(motion, &limits),
         objects: objects(motion),
         environment: environment(plan),
         interfaces: interfaces(motion),
@@ -59,11 +63,22 @@ pub(crate) fn plan_data(motion: &Motion, name: &str, verdict: &(Report, Vec<Seri
         q: Table::new(POSE_STEP, q),
         rates: rows(&plan.v, 6, RATE_STEP),
         tau: rows(&plan.tau, 0, TORQUE_STEP),
+        torque_share: torque_shares(motion, &limits),
         com: Table::new(POSE_STEP, motion.com.iter().map(|c| [c.x, c.y, c.z])),
         check: check_data(verdict),
         quality: plan.extra.get("quality").cloned(),
         explanation: plan.explanation.as_ref().map(|x| x.text.clone()),
     }
+}
+
+fn torque_shares(motion: &Motion, limits: &TorqueLimits) -> Table {
+    let row = |t: usize| {
+        let joints = 0..motion.plan.n_joints();
+        joints
+            .map(|j| limits.share(motion, j, t))
+            .collect::<Vec<_>>()
+    };
+    Table::new(SHARE_STEP, (0..motion.plan.tau.len()).map(row))
 }
 
 /// Rows with the quaternion at column `at` turned into the hemisphere of its predecessor, so that differences stay small.
@@ -74,20 +89,21 @@ fn continuous<'r>(rows: impl Iterator<Item = &'r [f64]>, at: usize) -> Vec<Vec<f
         let quat = &mut row[at..at + 4];
         let dot: f64 = quat.iter().zip(&before).map(|(x, y)| x * y).sum();
         if dot < 0.0 {
-            quat.iter_mut().for_each(|x| *x = -*x);
+            for x in quat {
+                *x = -*x;
+            }
         }
-        before.copy_from_slice(quat);
+        before.copy_from_slice(&row[at..at + 4]);
         row
     })
     .collect()
 }
 
-fn robot_data(motion: &Motion) -> RobotData {
+fn robot_data(motion: &Motion, limits: &TorqueLimits) -> RobotData {
     let (plan, model) = (motion.plan, &motion.model);
     let (looks, mut notes) = looks(model, &plan.robot.urdf);
     notes.extend(model.notes.iter().cloned());
     let tree = model.joints.iter().zip(&motion.columns);
-    let limits = plan.robot.torque_limits.as_ref();
     let axis = |(j, name): (usize, &String)| {
         let id = model
             .joint_id(name)
@@ -96,8 +112,8 @@ fn robot_data(motion: &Motion) -> RobotData {
         let finite = |x: f64| x.is_finite().then(|| rounded(x, 4));
         AxisData {
             name: name.clone(),
-            torque: limits.and_then(|limits| limits[j]),
-            rated_torque: finite(joint.torque_limit),
+            torque: limits.largest[j].map(|(limit, _)| limit),
+            enforced: limits.largest[j].is_some_and(|(_, enforced)| enforced),
             speed: finite(joint.velocity_limit),
             lower: finite(joint.lower),
             upper: finite(joint.upper),

@@ -19,6 +19,7 @@ mod page_data;
 mod palette;
 mod render;
 mod robot;
+mod torques;
 
 pub use error::ViewError;
 pub use figures::{Figure, FigureOptions, figures};

@@ -32,6 +32,8 @@ pub(crate) struct PlanData {
     pub rates: Table,
     /// Joint torques, per interval.
     pub tau: Table,
+    /// Joint torques over what the joint can give, per interval.
+    pub torque_share: Table,
     /// Centre of mass of the robot, per node.
     pub com: Table,
     pub check: CheckData,
@@ -68,10 +70,10 @@ pub(crate) struct JointData {
 #[derive(Debug, Serialize)]
 pub(crate) struct AxisData {
     pub name: String,
-    /// Largest torque as enforced by the plan.
+    /// Largest torque.
     pub torque: Option<f64>,
-    /// Largest torque by the URDF.
-    pub rated_torque: Option<f64>,
+    /// Whether the plan enforces it.
+    pub enforced: bool,
     pub speed: Option<f64>,
     pub lower: Option<f64>,
     pub upper: Option<f64>,

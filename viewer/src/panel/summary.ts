@@ -3,7 +3,7 @@
 import type { CheckRow, Plan } from "../data";
 import { el, percent, short } from "../dom";
 import type { Player } from "../player";
-import { joint, torqueLimit } from "../timeline/curves";
+import { joint } from "../timeline/curves";
 
 interface Use { name: string; detail: string; share: number; node: number }
 
@@ -42,7 +42,12 @@ function facts(plan: Plan): HTMLElement {
 
 function explanation(plan: Plan): HTMLElement | null {
   if (!plan.raw.explanation) return null;
-  return el("section", {}, el("h3", {}, "Why there is no motion"), el("p", { class: "why" }, plan.raw.explanation));
+  const lines = plan.raw.explanation.split("\n").filter((line) => line.trim() !== "");
+  return el("section", { class: "why" }, el("h3", {}, "Why there is no motion"), ...lines.map((line) => {
+    // "cause   what it is": a label and what follows; lines that begin with space go on with the label before.
+    const labelled = /^(\S.*?)\s{2,}(.*)$/.exec(line);
+    return labelled ? el("p", { class: "item" }, el("b", {}, labelled[1]), labelled[2]) : el("p", { class: /^\s/.test(line) ? "item" : "" }, line.trim());
+  }));
 }
 
 /** How much of each kind of limit is used at most, the scarcest first. */
@@ -71,7 +76,7 @@ function limits(plan: Plan, player: Player): HTMLElement {
     el("span", { class: "bar" }, el("i", { style: `width:${Math.min(100, 100 * share)}%`, class: share > 0.98 ? "full" : share > 0.8 ? "high" : "" })),
     el("small", {}, `${detail}, ${plan.time[node].toFixed(2)} s`),
   ));
-  const hasLimits = plan.raw.robot.joints.some((axis) => axis.torque !== null);
+  const hasLimits = plan.raw.robot.joints.some((axis) => axis.enforced);
   const free = hasLimits ? null : el("small", { class: "warn" }, "This plan was made without torque limits; shares are of the robot's rated torques.");
   return el("section", {}, el("h3", {}, "What limits it"), ...rows, free);
 }
@@ -120,7 +125,7 @@ function quality(plan: Plan, player: Player): HTMLElement | null {
 
 function notes(plan: Plan): HTMLElement | null {
   const list = [...plan.raw.robot.notes];
-  if (plan.raw.robot.joints.every((_, j) => torqueLimit(plan, j) === null)) list.push("The robot has no torque limits, so there are no torque shares.");
+  if (plan.raw.robot.joints.every((axis) => axis.torque === null)) list.push("The robot has no torque limits, so there are no torque shares.");
   if (list.length === 0) return null;
   return el("section", {}, el("h3", {}, "Notes"), el("ul", {}, ...list.map((text) => el("li", {}, text))));
 }

@@ -1,7 +1,7 @@
 // Which curves a plan has: torques, contact forces, use of friction and soles, joint speeds, heights, residuals.
 
 import { LINES, type Colors } from "../colors";
-import { decode, type Contact, type Plan } from "../data";
+import { decode, type Contact, type Plan, type Rows } from "../data";
 import type { Chart } from "./chart";
 import { ContactChart } from "./contact_chart";
 import { LineChart, type Curve } from "./line_chart";
@@ -21,11 +21,6 @@ export function charts(plan: Plan, colors: Colors): Chart[] {
     ...one({ title: "Height of base and centre of mass", unit: "m", curves: heights(plan) }),
     ...one({ title: "Residual / tolerance of the checker", unit: "", share: true, low: 0, limit: 1, curves: residuals(plan) }),
   ];
-}
-
-export function torqueLimit(plan: Plan, joint: number): number | null {
-  const { torque, rated_torque: rated } = plan.raw.robot.joints[joint];
-  return torque ?? rated;
 }
 
 function frictionShare(contact: Contact, i: number): number {
@@ -48,10 +43,10 @@ function largest(curves: Curve[], count: number): Curve[] {
 export function joint(name: string): string { return name.replace(/_joint$/, "").replaceAll("_", " "); }
 
 function torqueShares(plan: Plan): Curve[] {
-  const all = plan.raw.robot.joints.flatMap(({ name }, j) => {
-    const limit = torqueLimit(plan, j);
-    if (limit === null || limit <= 0) return [];
-    return [{ name: joint(name), color: "", values: Float64Array.from({ length: plan.tau.length }, (_, t) => Math.abs(plan.tau.at(t, j)) / limit) }];
+  const all = plan.raw.robot.joints.flatMap(({ name, torque }, j) => {
+    if (torque === null) return [];
+    const column = (rows: Rows) => Float64Array.from({ length: rows.length }, (_, t) => rows.at(t, j));
+    return [{ name: joint(name), color: "", values: column(plan.torqueShare), amounts: column(plan.tau), amountUnit: "N m" }];
   });
   return largest(all, MOST);
 }
@@ -59,7 +54,8 @@ function torqueShares(plan: Plan): Curve[] {
 function speedShares(plan: Plan): Curve[] {
   const all = plan.raw.robot.joints.flatMap(({ name, speed }, j) => {
     if (speed === null || speed <= 0) return [];
-    return [{ name: joint(name), color: "", values: Float64Array.from({ length: plan.rates.length }, (_, t) => Math.abs(plan.rates.at(t, j)) / speed) }];
+    const amounts = Float64Array.from({ length: plan.rates.length }, (_, t) => plan.rates.at(t, j));
+    return [{ name: joint(name), color: "", amounts, amountUnit: "rad/s", values: Float64Array.from({ length: plan.rates.length }, (_, t) => Math.abs(plan.rates.at(t, j)) / speed) }];
   });
   return largest(all, 4);
 }

@@ -9,8 +9,9 @@ export interface Curve {
   color: string;
   /** One value per entry of `times`; NaN breaks the line. */
   values: ArrayLike<number>;
-  /** First node of the values; by default 0. */
-  start?: number;
+  /** The same in its own unit, for the tooltip. */
+  amounts?: ArrayLike<number>;
+  amountUnit?: string;
 }
 
 export interface LineOptions {
@@ -102,7 +103,7 @@ export class LineChart implements Chart {
     for (let i = 0; i < curve.values.length; i++) {
       const value = curve.values[i];
       if (!Number.isFinite(value)) { drawing = false; continue; }
-      const [x, y] = [axis.x(this.plan.time[i + (curve.start ?? 0)]), this.y(value)];
+      const [x, y] = [axis.x(this.plan.time[i]), this.y(value)];
       if (drawing) context.lineTo(x, y); else context.moveTo(x, y);
       drawing = true;
     }
@@ -113,13 +114,14 @@ export class LineChart implements Chart {
   hint(time: number): Hint[] {
     const { node, share } = this.plan.at(time);
     const values = this.options.curves.map((curve) => {
-      const at = node - (curve.start ?? 0);
-      const next = Math.min(at + 1, curve.values.length - 1);
-      const value = (1 - share) * curve.values[at] + share * curve.values[next];
-      return { curve, value: Number.isFinite(value) ? value : curve.values[at] };
+      const between = (values: ArrayLike<number>) => {
+        const value = (1 - share) * values[node] + share * values[Math.min(node + 1, values.length - 1)];
+        return Number.isFinite(value) ? value : values[node];
+      };
+      return { curve, value: between(curve.values), amount: curve.amounts && `, ${short(between(curve.amounts))} ${curve.amountUnit}` };
     });
     const known = values.filter(({ value }) => Number.isFinite(value));
-    return known.map(({ curve, value }) => ({ color: curve.color, text: `${curve.name}: ${this.format(value)}` }));
+    return known.map(({ curve, value, amount }) => ({ color: curve.color, text: `${curve.name}: ${this.format(value)}${amount ?? ""}` }));
   }
 }
 

@@ -17,7 +17,7 @@ const DELAY: u16 = 8;
 const PAUSE: u16 = 120;
 
 /// Height of the pictures [pixels].
-const HEIGHT: usize = 300;
+const HEIGHT: usize = 360;
 
 /// The palette is taken from so many frames.
 const SAMPLED: usize = 6;

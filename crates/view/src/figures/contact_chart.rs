@@ -56,7 +56,7 @@ fn draw(drawing: &mut Drawing, motion: &Motion, title: &str, top: f64, longest: 
         let number = (k + 1).to_string();
         let text = fitted(&number, 6.5, to - from + 3.0);
         drawing.text(
-            [(from + to) / 2.0, first - 6.0],
+            [f64::midpoint(from, to), first - 6.0],
             &text,
             6.5,
             FAINT,

@@ -8,7 +8,7 @@ use crate::render::Scenery;
 
 const WIDTH: f64 = 500.0;
 const GAP: f64 = 4.0;
-const CAPTION: f64 = 22.0;
+const CAPTION: f64 = 31.0;
 const TITLE: f64 = 14.0;
 
 /// Height of a snapshot [pixels].
@@ -52,8 +52,10 @@ pub(crate) fn strip(
                 FAINT,
                 Anchor::Middle,
             );
-            let action = fitted(&action(motion, time), 7.0, width);
-            drawing.text([middle, caption + 14.5], &action, 7.0, TEXT, Anchor::Middle);
+            for (line, text) in two_lines(&action(motion, time), width).iter().enumerate() {
+                let y = caption + 14.5 + 8.5 * line as f64;
+                drawing.text([middle, y], text, 7.0, TEXT, Anchor::Middle);
+            }
         }
         top += heights[i] * rows as f64;
     }
@@ -66,17 +68,35 @@ fn times(motion: &Motion, count: usize) -> Vec<f64> {
     let starts = plan.phase_starts();
     let inner = &starts[1..starts.len() - 1];
     let places = count.saturating_sub(1).max(1);
+    let at_ends = inner.len() + 1 >= places;
     let time = |i: usize| {
-        if i == 0 || i == places {
-            plan.duration() * i as f64 / places as f64
-        } else if inner.len() < places - 1 {
-            plan.duration() * i as f64 / places as f64
-        } else {
+        if at_ends && i > 0 && i < places {
             let share = (i as f64 - 0.5) / (places as f64 - 1.0);
             plan.time[inner[(share * inner.len() as f64) as usize]]
+        } else {
+            plan.duration() * i as f64 / places as f64
         }
     };
     (0..count).map(time).collect()
+}
+
+/// A text broken between words so that it fits a width, the second line shortened if it must be.
+fn two_lines(text: &str, width: f64) -> [String; 2] {
+    let mut first = String::new();
+    let mut words = text.split(' ').peekable();
+    while let Some(word) = words.peek() {
+        let longer = format!("{first} {word}").trim_start().to_owned();
+        if !first.is_empty() && fitted(&longer, 7.0, width) != longer {
+            break;
+        }
+        first = longer;
+        words.next();
+    }
+    let rest: Vec<_> = words.collect();
+    [
+        fitted(&first, 7.0, width),
+        fitted(&rest.join(" "), 7.0, width),
+    ]
 }
 
 /// What happens up to a time: the action of the phase that ends there or that it is in.
@@ -87,4 +107,19 @@ fn action(motion: &Motion, time: f64) -> String {
         .iter()
         .position(|end| plan.time[*end] >= time - 1e-9);
     label(&plan.phases[k.unwrap_or(plan.phases.len() - 1)].action)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_actions_are_broken_between_words() {
+        let lines = two_lines("place red box on table b top", 70.0);
+        assert_eq!(
+            lines,
+            ["place red box on".to_owned(), "table b top".to_owned()]
+        );
+        assert_eq!(two_lines("lift", 70.0), ["lift".to_owned(), String::new()]);
+    }
 }

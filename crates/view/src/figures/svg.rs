@@ -10,7 +10,7 @@ const FONT: &[u8] = include_bytes!("../../fonts/DejaVuSans.ttf");
 const FAMILIES: &str = "Helvetica, Arial, 'DejaVu Sans', sans-serif";
 
 /// Width of a character on average, in font sizes: for deciding whether a text fits.
-const CHARACTER: f64 = 0.58;
+const CHARACTER: f64 = 0.54;
 
 /// Ink of text.
 pub(crate) const TEXT: &str = "#1c232d";

@@ -5,6 +5,7 @@ use super::phase_bands;
 use super::svg::{Anchor, Drawing, FAINT, GRID, LIMIT, TEXT, fitted, tick_text, ticks};
 use crate::ViewError;
 use crate::motion::Motion;
+use crate::torques::TorqueLimits;
 
 const LEFT: f64 = 44.0;
 const GAP: f64 = 22.0;
@@ -23,8 +24,13 @@ pub(crate) fn torque_chart(
     joints: &[String],
     most: usize,
 ) -> Result<Drawing, ViewError> {
+    let side = |motion| Side {
+        motion,
+        limits: TorqueLimits::new(motion),
+    };
+    let sides: Vec<_> = motions.iter().map(side).collect();
     let joints = if joints.is_empty() {
-        most_loaded(motions, most)
+        most_loaded(&sides, most)
     } else {
         known(motions, joints)?
     };
@@ -33,8 +39,8 @@ pub(crate) fn torque_chart(
     let mut drawing = Drawing::new(WIDTH, TITLE + joints.len() as f64 * (PANEL + ABOVE) + TIMES);
     for (row, joint) in joints.iter().enumerate() {
         let top = TITLE + row as f64 * (PANEL + ABOVE) + ABOVE;
-        let range = range(motions, joint);
-        for (column, motion) in motions.iter().enumerate() {
+        let range = range(&sides, joint);
+        for (column, side) in sides.iter().enumerate() {
             let left = LEFT + column as f64 * (width + GAP);
             let panel = Panel {
                 left,
@@ -42,9 +48,9 @@ pub(crate) fn torque_chart(
                 width,
                 range,
             };
-            panel.draw(&mut drawing, motion, joint, column == 0);
+            panel.draw(&mut drawing, side, joint, column == 0);
             if row + 1 == joints.len() {
-                panel.times(&mut drawing, motion);
+                panel.times(&mut drawing, side.motion);
             }
         }
         drawing.text(
@@ -69,6 +75,12 @@ pub(crate) fn torque_chart(
     Ok(drawing)
 }
 
+/// A plan with its torque limits.
+struct Side<'a> {
+    motion: &'a Motion<'a>,
+    limits: TorqueLimits,
+}
+
 /// The place of one curve.
 struct Panel {
     left: f64,
@@ -83,8 +95,8 @@ impl Panel {
         self.top + PANEL * (high - torque) / (high - low)
     }
 
-    fn draw(&self, drawing: &mut Drawing, motion: &Motion, joint: &str, is_first: bool) {
-        let plan = motion.plan;
+    fn draw(&self, drawing: &mut Drawing, side: &Side, joint: &str, is_first: bool) {
+        let plan = side.motion.plan;
         let x = |t: usize| self.left + self.width * plan.time[t] / plan.duration();
         let right = self.left + self.width;
         phase_bands(drawing, plan, x, [self.top, self.top + PANEL]);
@@ -101,33 +113,43 @@ impl Panel {
                 );
             }
         }
-        if let Some((limit, enforced)) = limit(motion, joint) {
-            let (ink, width) = if enforced { (LIMIT, 1.0) } else { (FAINT, 0.7) };
-            for limit in [-limit, limit] {
-                if (self.range[0]..=self.range[1]).contains(&limit) {
-                    drawing.line(
-                        &[[self.left, self.y(limit)], [right, self.y(limit)]],
-                        ink,
-                        width,
-                        true,
-                    );
-                }
-            }
-            if !enforced {
-                drawing.text(
-                    [right - 2.0, self.y(limit) + 6.0],
-                    "limit, not enforced",
-                    6.5,
-                    FAINT,
-                    Anchor::End,
-                );
-            }
-        }
-        if let Some(j) = column(motion, joint) {
+        self.draw_limits(drawing, side, joint, &x);
+        if let Some(j) = column(side, joint) {
             let points: Vec<_> = (0..plan.tau.len())
                 .map(|t| [x(t), self.y(plan.tau[t][j])])
                 .collect();
             drawing.line(&points, INK, 1.1, false);
+        }
+    }
+
+    /// Both limits; where the joint gives less at speed, the one on the side to which it drives.
+    fn draw_limits(
+        &self,
+        drawing: &mut Drawing,
+        side: &Side,
+        joint: &str,
+        x: &impl Fn(usize) -> f64,
+    ) {
+        let (Some(j), Some((largest, enforced))) = (column(side, joint), limit(side, joint)) else {
+            return;
+        };
+        let (ink, width) = if enforced { (LIMIT, 1.0) } else { (FAINT, 0.7) };
+        let tau = &side.motion.plan.tau;
+        for sign in [-1.0, 1.0] {
+            let at = |t: usize| {
+                let here = side
+                    .limits
+                    .at(side.motion, j, t)
+                    .filter(|_| tau[t][j] * sign > 0.0);
+                [x(t), self.y(sign * here.unwrap_or(largest))]
+            };
+            let mut points: Vec<_> = (0..tau.len()).map(at).collect();
+            points.push([x(tau.len()), self.y(sign * largest)]);
+            drawing.line(&points, ink, width, true);
+        }
+        if !enforced {
+            let place = [self.left + self.width - 2.0, self.y(largest) + 6.0];
+            drawing.text(place, "limit, not enforced", 6.5, FAINT, Anchor::End);
         }
     }
 
@@ -147,45 +169,33 @@ impl Panel {
 }
 
 /// Column of a joint in the plan's torques.
-fn column(motion: &Motion, joint: &str) -> Option<usize> {
-    motion.plan.robot.joints.iter().position(|x| x == joint)
-}
-
-/// The torque limit of a joint and whether the plan enforced it.
-fn limit(motion: &Motion, joint: &str) -> Option<(f64, bool)> {
-    let j = column(motion, joint)?;
-    let enforced = motion
+fn column(side: &Side, joint: &str) -> Option<usize> {
+    side.motion
         .plan
         .robot
-        .torque_limits
-        .as_ref()
-        .and_then(|limits| limits[j]);
-    let rated = motion
-        .model
-        .joint_id(joint)
-        .map(|id| motion.model.joints[id].torque_limit);
-    let rated = rated
-        .filter(|limit| limit.is_finite())
-        .map(|limit| (limit, false));
-    enforced.map(|limit| (limit, true)).or(rated)
+        .joints
+        .iter()
+        .position(|x| x == joint)
 }
 
-fn largest(motion: &Motion, joint: &str) -> f64 {
-    let column = column(motion, joint);
-    let torques = motion
-        .plan
-        .tau
-        .iter()
-        .filter_map(|row| Some(row[column?].abs()));
-    torques.fold(0.0, f64::max)
+/// The largest torque that a joint may give and whether the plan enforces that.
+fn limit(side: &Side, joint: &str) -> Option<(f64, bool)> {
+    side.limits.largest[column(side, joint)?]
 }
 
 /// The joints with the largest shares of their limits in any plan.
-fn most_loaded(motions: &[Motion], count: usize) -> Vec<String> {
-    let joints = &motions[0].plan.robot.joints;
+fn most_loaded(sides: &[Side], count: usize) -> Vec<String> {
+    let joints = &sides[0].motion.plan.robot.joints;
+    let largest = |side: &Side, joint: &String| {
+        let j = column(side, joint)?;
+        let shares = (0..side.motion.plan.tau.len()).map(|t| side.limits.share(side.motion, j, t));
+        shares.reduce(f64::max)
+    };
     let share = |joint: &String| {
-        let of = |motion: &Motion| Some(largest(motion, joint) / limit(motion, joint)?.0);
-        motions.iter().filter_map(of).fold(0.0, f64::max)
+        sides
+            .iter()
+            .filter_map(|side| largest(side, joint))
+            .fold(0.0, f64::max)
     };
     let mut shares: Vec<_> = joints.iter().map(|joint| (share(joint), joint)).collect();
     shares.sort_by(|x, y| y.0.total_cmp(&x.0));
@@ -211,16 +221,19 @@ fn known(motions: &[Motion], wanted: &[String]) -> Result<Vec<String>, ViewError
     wanted.iter().map(find).collect()
 }
 
-/// Both limits if a torque comes near them, else what the torques need.
-fn range(motions: &[Motion], joint: &str) -> [f64; 2] {
-    let largest = motions
-        .iter()
-        .map(|x| largest(x, joint))
-        .fold(0.0, f64::max);
-    let limit = motions
-        .iter()
-        .filter_map(|x| Some(limit(x, joint)?.0))
-        .fold(0.0, f64::max);
-    let reach = 1.12 * largest.max(limit).max(1e-3);
+/// What torques and limits of all plans need.
+fn range(sides: &[Side], joint: &str) -> [f64; 2] {
+    let most = |side: &Side| {
+        let j = column(side, joint)?;
+        let torque = side
+            .motion
+            .plan
+            .tau
+            .iter()
+            .map(|row| row[j].abs())
+            .fold(0.0, f64::max);
+        Some(limit(side, joint).map_or(torque, |(limit, _)| torque.max(limit)))
+    };
+    let reach = 1.12 * sides.iter().filter_map(most).fold(1e-3, f64::max);
     [-reach, reach]
 }
