@@ -26,30 +26,32 @@ export class App {
   private together = false;
   private theme: "light" | "dark";
 
-  constructor(readonly plans: Plan[], root: HTMLElement) {
+  /** Fills `root`; `back` leads to the page that this one was opened from. */
+  constructor(readonly plans: Plan[], private readonly root: HTMLElement, back?: () => void) {
     this.player = new Player(plans[0].duration);
     this.views = plans.map(() => undefined);
     const dark = window.matchMedia("(prefers-color-scheme: dark)");
-    this.theme = dark.matches ? "dark" : "light";
+    const given = document.documentElement.dataset.theme;
+    this.theme = given === "dark" || given === "light" ? given : dark.matches ? "dark" : "light";
     dark.addEventListener("change", () => { this.theme = dark.matches ? "dark" : "light"; this.applyTheme(); });
     const actions = this.actions();
     this.transport = new Transport(this.player, actions);
     this.tabs = plans.map((plan, i) => el("button", { role: "tab", class: "tab", click: () => this.select(i) }, plans.length > 1 ? plan.raw.name : plan.raw.task || plan.raw.name));
     this.both = plans.length > 1 ? el("button", { class: "tab both", title: "Two plans beside one another, in step (S)", click: () => actions.side() }, "Side by side") : null;
-    root.replaceChildren(this.header(actions), this.stages, this.side, this.transport.root, this.help);
-    listen(this.player, actions);
+    root.replaceChildren(this.header(actions, back), this.stages, this.side, this.transport.root, this.help);
+    listen(this.player, actions, () => this.root.isConnected && !this.root.hidden && this.root.contains(this.transport.root));
     this.player.onChange(() => this.update());
     this.select(0);
     this.applyTheme();
-    document.title = `${plans.map((plan) => plan.raw.name).join(", ")} – locotamp`;
+    if (!back) document.title = `${plans.map((plan) => plan.raw.name).join(", ")} – locotamp`;
   }
 
-  private header(actions: Actions): HTMLElement {
+  private header(actions: Actions, back?: () => void): HTMLElement {
     const toggles = LAYER_NAMES.map(([name, text]) => {
       this.toggles[name] = el("button", { class: "toggle", "aria-pressed": String(this.layers[name]), click: () => actions.layer(name) }, text);
       return this.toggles[name];
     });
-    return el("header", {}, el("span", { class: "brand" }, "locotamp"), el("div", { class: "tabs", role: "tablist" }, ...this.tabs, this.both),
+    return el("header", {}, back ? el("button", { class: "tab both", click: back, title: "Back to the search (Escape)" }, "← Search") : el("span", { class: "brand" }, "locotamp"), el("div", { class: "tabs", role: "tablist" }, ...this.tabs, this.both),
       el("div", { class: "toggles" }, ...toggles),
       el("button", { class: "icon", title: "Camera back (R)", "aria-label": "Camera back", click: () => actions.home() }, "⌂"),
       el("button", { class: "icon", title: "Light or dark (T)", "aria-label": "Light or dark", click: () => actions.theme() }, "◐"),
@@ -113,7 +115,7 @@ export class App {
 
   private shown(): PlanView[] { return this.shownIndices().map((i) => this.view(i)); }
 
-  private select(index: number): void {
+  select(index: number): void {
     this.active = index;
     this.arrange();
   }

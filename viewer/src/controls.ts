@@ -73,9 +73,10 @@ export class Transport {
 }
 
 /** Keys of the whole page; those of a focused select stay its own. */
-export function listen(player: Player, actions: Actions): void {
+export function listen(player: Player, actions: Actions, isShown: () => boolean): void {
   const layers: Record<string, Parameters<Actions["layer"]>[0]> = { w: "forces", k: "cones", c: "contacts", m: "path", g: "ghost", f: "follow" };
   document.addEventListener("keydown", (event) => {
+    if (!isShown()) return;
     const target = event.target as HTMLElement;
     if (event.ctrlKey || event.metaKey || event.altKey || target.tagName === "SELECT") return;
     const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;

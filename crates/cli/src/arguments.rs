@@ -2,6 +2,7 @@
 
 use crate::report_command::ReportOptions;
 use crate::view_command::ViewOptions;
+use crate::watch_command::WatchOptions;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use locotamp::{Refinement, Request};
 use std::path::PathBuf;
@@ -35,6 +36,8 @@ pub(crate) enum Command {
     Check(CheckOptions),
     /// Write one page that shows plans in a browser: motion, contacts, torques, the checker's verdict
     View(ViewOptions),
+    /// Serve the page of a run on this machine while its search goes on
+    Watch(WatchOptions),
     /// Draw the figures of a paper: contact sequence, torques, snapshots, animated picture
     Report(ReportOptions),
     /// List the built-in scenes, or print one to start from
@@ -57,7 +60,11 @@ impl Command {
             Self::Solve(options) => options.json,
             Self::Bench(options) => options.json,
             Self::Check(options) => options.json,
-            Self::View(_) | Self::Report(_) | Self::Scenes { .. } | Self::Symbols { .. } => false,
+            Self::View(_)
+            | Self::Watch(_)
+            | Self::Report(_)
+            | Self::Scenes { .. }
+            | Self::Symbols { .. } => false,
         }
     }
 }

@@ -22,6 +22,7 @@ mod result_text;
 mod scene_commands;
 mod solve_command;
 mod view_command;
+mod watch_command;
 
 use arguments::{Arguments, Command};
 use clap::Parser;
@@ -52,6 +53,7 @@ fn main() -> ExitCode {
         Command::Bench(options) => bench_command::run(options),
         Command::Check(options) => check_command::run(options),
         Command::View(options) => view_command::run(options),
+        Command::Watch(options) => watch_command::run(options),
         Command::Report(options) => report_command::run(options),
         Command::Scenes { name } => scene_commands::scenes(name.as_deref()),
         Command::Symbols { scene } => scene_commands::symbols(scene),

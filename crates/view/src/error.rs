@@ -39,6 +39,14 @@ pub enum ViewError {
         /// The name.
         body: String,
     },
+    /// The journal of a search cannot be read.
+    #[error("{path}: {what}")]
+    Journal {
+        /// File or folder.
+        path: String,
+        /// What is wrong.
+        what: String,
+    },
     /// A joint for a figure that the robot does not have.
     #[error("no joint {joint:?}; the plan has {known}")]
     NoSuchJoint {

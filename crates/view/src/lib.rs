@@ -6,6 +6,8 @@
 //! [`figures`] draws the contact sequence, torques and snapshots as SVG and PNG and the motion as a GIF, with a small software
 //! renderer, so no display is needed.
 //!
+//! [`Run`] makes the page of a search from the journal in the folder of a run.
+//!
 //! Frames: `world`; `frame`, a link of the robot; `shape`, a shape's own.
 
 mod compact;
@@ -19,8 +21,10 @@ mod page_data;
 mod palette;
 mod render;
 mod robot;
+mod search;
 mod torques;
 
 pub use error::ViewError;
 pub use figures::{Figure, FigureOptions, figures};
 pub use page::{Named, plan_page};
+pub use search::Run;

@@ -35,20 +35,25 @@ struct PageData {
 /// # Errors
 /// A plan contradicts itself, or its robot cannot be read.
 pub fn plan_page(plans: &[Named]) -> Result<String, ViewError> {
+    let data = PageData {
+        format: "locotamp.page/1",
+        plans: plan_datas(plans)?,
+    };
+    Ok(fill(&serde_json::to_string(&data)?))
+}
+
+/// The data of plans with the verdicts on them.
+pub(crate) fn plan_datas(plans: &[Named]) -> Result<Vec<PlanData>, ViewError> {
     let one = |named: &Named| {
         let motion = Motion::new(named.plan, named.name)?;
         let verdict = check::check_over_time(named.plan, &Options::accept());
         Ok(plan_data(&motion, named.name, &verdict))
     };
-    let data = PageData {
-        format: "locotamp.page/1",
-        plans: plans.iter().map(one).collect::<Result<_, ViewError>>()?,
-    };
-    Ok(fill(&serde_json::to_string(&data)?))
+    plans.iter().map(one).collect()
 }
 
 /// Puts JSON into the page. Inside a script element only `</script` and `<!--` could end it early, so `<` is escaped.
-fn fill(json: &str) -> String {
+pub(crate) fn fill(json: &str) -> String {
     let (before, after) = PAGE
         .split_once(PLACE)
         .expect("the built page has a place for the data, see viewer/build.mjs");

@@ -166,7 +166,13 @@ fn what_cannot_be_shown_is_said_with_its_place() {
         text.starts_with("it: interfaces[0].body: no ") && text.contains("\"toe\""),
         "{text}"
     );
-    let urdf = changed(|plan| plan["robot"]["urdf"] = "<robot".into());
+    let urdf = changed(|plan| {
+        plan["robot"]["urdf"] = plan["robot"]["urdf"]
+            .as_str()
+            .unwrap()
+            .replace("value=\"8\"", "value=\"heavy\"")
+            .into()
+    });
     assert!(
         message(&urdf).starts_with("it: robot.urdf: "),
         "{}",
