@@ -1,6 +1,7 @@
 // The data of the page of a search, as crates/view writes it (search/mod.rs).
 
 import { Plan, type RawPlan } from "../data";
+import { plain } from "./plain";
 
 export type Stage = "open" | "refused" | "keyframes" | "optimised" | "feasible";
 
@@ -103,7 +104,7 @@ export class Search {
   reasons(): { kind: string; count: number; example: string }[] {
     const counts = new Map<string, { count: number; example: string }>();
     const add = (stage: string, reason: string) => {
-      const kind = `${stage}: ${kindOf(reason)}`;
+      const kind = `${stage}: ${kindOf(plain(reason))}`;
       const known = counts.get(kind);
       if (known) known.count += 1; else counts.set(kind, { count: 1, example: reason });
     };
@@ -114,8 +115,9 @@ export class Search {
   }
 }
 
-/** A reason without amounts and phases. */
+/** A reason without amounts and phases: what comes before the subject, and the subject. */
 export function kindOf(reason: string): string {
-  const first = reason.split(/[;\n]/)[0];
-  return first.replace(/\b(in |at )?phase \d+\b/g, "").replace(/[-−]?\d+(\.\d+)?(e-?\d+)?\s?(mm|cm|m|N m|N|rad|kg|s|%|deg)?\b/g, "").replace(/\s*[,(]\s*(off|\))?\s*$/, "").replace(/\s{2,}/g, " ").replaceAll("_", " ").trim();
+  const first = reason.split(/[;\n]/)[0].replace(/,?\s*(in|at|of)? phase \d+.*$/, "");
+  const amount = /\s*(,| by| stay| would slip)?\s*[-−]?\d+(\.\d+)?(e[+-]?\d+)?\s?(mm|cm|m|N m|N|kg|s|%|°)?( (apart|tilted|over the edge|too close|missing|off))?(?=$|[ ,])/g;
+  return first.replace(amount, "").replace(/\s{2,}/g, " ").trim();
 }

@@ -4,6 +4,7 @@ import { App } from "../app";
 import { el, percent, short } from "../dom";
 import { progressChart, reasonBars } from "./charts";
 import { Search, STAGES } from "./data";
+import { plain } from "./plain";
 import { TreeView } from "./tree_view";
 
 /** A page that is served asks for news so often [ms]. */
@@ -91,7 +92,7 @@ export class SearchApp {
     const reason = sequence?.reason ?? at.reason;
     this.detail.replaceChildren(
       el("div", { class: `verdict ${at.reached === "feasible" ? "good" : at.reached === "open" ? "" : "bad"}` }, el("div", {}, el("b", {}, STAGES[at.reached].name), el("small", {}, STAGES[at.reached].text))),
-      play ?? "", reason && at.reached !== "feasible" ? el("p", { class: "reason" }, reason.replaceAll("_", " ")) : "",
+      play ?? "", reason && at.reached !== "feasible" ? el("p", { class: "reason" }, plain(reason), el("small", {}, reason.replaceAll("_", " "))) : "",
       el("dl", { class: "facts" }, ...facts.flatMap(([name, value]) => [el("dt", {}, name), el("dd", {}, value)])),
       el("h3", {}, `Its ${path.length} phases`),
       el("ol", { class: "path" }, ...path.map((i) => el("li", { class: i === node ? "here" : "" }, raw.nodes[i].label && i !== path[0] ? el("b", {}, `${raw.nodes[i].label}: `) : null, this.search.change(i)))),

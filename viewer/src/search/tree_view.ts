@@ -1,6 +1,7 @@
 // The tree as rows that open and close, with a filter.
 
 import { el, percent, short } from "../dom";
+import { plain } from "./plain";
 import { STAGES, type Search, type Stage } from "./data";
 
 /** More rows than this are not made at once. */
@@ -68,7 +69,7 @@ export class TreeView {
     const { label, reason, reached } = this.search.raw.nodes[node];
     if (this.stage.value && this.stage.value !== reached) return false;
     const words = this.query.value.toLowerCase().split(/\s+/).filter(Boolean);
-    const text = `${this.search.change(node)} ${label} ${reason?.replaceAll("_", " ") ?? ""}`.toLowerCase();
+    const text = `${this.search.change(node)} ${label} ${reason ? `${plain(reason)} ${reason.replaceAll("_", " ")}` : ""}`.toLowerCase();
     return words.every((word) => text.includes(word));
   }
 
@@ -111,7 +112,7 @@ export class TreeView {
       "aria-expanded": children > 0 ? String(isOpen) : undefined, "aria-selected": String(node === this.selected), style: `--depth:${depth}`,
       title: `${STAGES[reached].text}${reason ? `\n${reason}` : ""}`, click: () => this.onSelect(node), dblclick: () => this.toggle(node),
     }, toggle, el("i", { class: "state" }), el("span", { class: "change" }, label && label !== "start" ? el("b", {}, `${label}: `) : null, this.search.change(node)),
-    el("span", { class: "reason" }, reached === "feasible" ? "" : reason?.replaceAll("_", " ") ?? ""),
+    el("span", { class: "reason" }, reached === "feasible" || !reason ? "" : plain(reason)),
     el("span", { class: "meta" }, sequence ? `#${sequence.number}` : children > 0 ? `${visits} tried` : ""),
     el("span", { class: "worth", title: `largest reward ${percent(value)}` }, el("i", { style: `width:${100 * value}%` })),
     el("span", { class: "meta" }, cost !== undefined ? `cost ${short(cost)}` : ""));
