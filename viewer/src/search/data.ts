@@ -67,6 +67,8 @@ export class Search {
     for (const key of ["nodes", "sequences", "refused", "asked", "plans"] as const) {
       if (!Array.isArray(raw[key])) throw new Error(`the search's list "${key}" is missing`);
     }
+    // What is empty or zero is left out in the file.
+    raw.nodes = raw.nodes.map((node) => ({ ...node, label: node.label ?? "", gained: node.gained ?? [], lost: node.lost ?? [], visits: node.visits ?? 0 }));
     this.children = raw.nodes.map(() => []);
     raw.nodes.forEach((node, i) => {
       if (node.parent === null) this.roots.push(i);

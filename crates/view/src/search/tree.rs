@@ -10,10 +10,14 @@ use std::collections::BTreeMap;
 pub(crate) struct NodeData {
     pub parent: Option<usize>,
     /// What changes on entering it, as the planner calls it.
+    #[serde(skip_serializing_if = "String::is_empty")]
     pub label: String,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub gained: Vec<String>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub lost: Vec<String>,
     /// Complete sequences through it.
+    #[serde(skip_serializing_if = "is_zero")]
     pub visits: usize,
     /// Greatest reward of them.
     pub value: f64,
@@ -127,6 +131,14 @@ pub(crate) fn build(journal: &Journal) -> Tree {
         node.seconds = rounded(node.seconds, 3);
     }
     tree
+}
+
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde asks with a reference"
+)]
+fn is_zero(n: &usize) -> bool {
+    *n == 0
 }
 
 fn stage(reached: &str) -> &'static str {
