@@ -49,7 +49,7 @@ mod urdf;
 pub use categories::Level;
 pub use margins::Margin;
 pub use options::{Options, OptionsError, Profile};
-pub use report::{Location, Report, Row, Status};
+pub use report::{Location, Report, Row, Series, Status};
 
 use measure::Measurements;
 use motion::Motion;
@@ -58,14 +58,25 @@ use plan::Plan;
 /// Judges a plan. Never fails: a plan that cannot be evaluated fails the category `schema`, and the rows that need
 /// the evaluation are not applicable.
 pub fn check(plan: &Plan, options: &Options) -> Report {
-    let mut found = Measurements::default();
-    let motion = schema::judge(plan, &mut found);
+    judge(plan, options, &mut Measurements::default())
+}
+
+/// Judges a plan like [`check`] and tells the residuals at every node, for charts.
+pub fn check_over_time(plan: &Plan, options: &Options) -> (Report, Vec<Series>) {
+    let mut found = Measurements::by_node();
+    let report = judge(plan, options, &mut found);
+    let series = report::series(&report, &found, plan.time.len());
+    (report, series)
+}
+
+fn judge(plan: &Plan, options: &Options, found: &mut Measurements) -> Report {
+    let motion = schema::judge(plan, found);
     let mut margins = Vec::new();
     if let Some(motion) = motion {
-        judge_motion(&motion, options, &mut found);
+        judge_motion(&motion, options, found);
         margins = margins::used(&motion);
     }
-    report::assemble(plan, options, &found, margins)
+    report::assemble(plan, options, found, margins)
 }
 
 fn judge_motion(motion: &Motion, options: &Options, found: &mut Measurements) {

@@ -98,6 +98,15 @@ pub struct Row {
     pub location: Location,
 }
 
+/// Residuals of one category over time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// Index into the rows of the report.
+    pub row: usize,
+    /// Largest residual at each node and in the interval after it, in the unit of the row.
+    pub values: Vec<f64>,
+}
+
 /// The verdict on a plan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
@@ -246,6 +255,15 @@ pub(crate) fn assemble(
         rows: SPECS.iter().map(row).collect(),
         margins_used,
     }
+}
+
+/// The residuals over time of all rows that have some, at `n` nodes.
+pub(crate) fn series(report: &Report, found: &Measurements, n: usize) -> Vec<Series> {
+    let values = |row: usize| {
+        let values = found.over_time(SPECS[row].category, n)?;
+        Some(Series { row, values })
+    };
+    (0..report.rows.len()).filter_map(values).collect()
 }
 
 fn title(plan: &Plan) -> String {

@@ -1,5 +1,8 @@
 //! What can be written after `locotamp`.
 
+use crate::report_command::ReportOptions;
+use crate::view_command::ViewOptions;
+use crate::watch_command::WatchOptions;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use locotamp::{Refinement, Request};
 use std::path::PathBuf;
@@ -31,6 +34,12 @@ pub(crate) enum Command {
     /// Judge a plan file: is every constraint satisfied
     #[command(after_help = EXIT_CODES)]
     Check(CheckOptions),
+    /// Write one page that shows plans in a browser: motion, contacts, torques, the checker's verdict
+    View(ViewOptions),
+    /// Serve the page of a run on this machine while its search goes on
+    Watch(WatchOptions),
+    /// Draw the figures of a paper: contact sequence, torques, snapshots, animated picture
+    Report(ReportOptions),
     /// List the built-in scenes, or print one to start from
     Scenes {
         /// Print the text of this scene
@@ -50,7 +59,7 @@ impl Command {
             Self::Bench(options) => options.json,
             Self::Check(options) => options.json,
             Self::Symbols(options) => options.json,
-            Self::Scenes { .. } => false,
+            Self::View(_) | Self::Watch(_) | Self::Report(_) | Self::Scenes { .. } => false,
         }
     }
 }

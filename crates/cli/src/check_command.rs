@@ -2,22 +2,12 @@
 
 use crate::arguments::{CheckOptions, ProfileName};
 use crate::failure::Failure;
-use crate::{Exit, output};
+use crate::{Exit, output, plan_file};
 use check::{Options, Profile};
-use plan::Plan;
 
 /// Reads, judges and tells.
 pub(crate) fn run(options: &CheckOptions) -> Result<Exit, Failure> {
-    let plan = Plan::read(&options.plan).map_err(|error| {
-        let path = options.plan.display().to_string();
-        let text = error.to_string();
-        let named = if text.starts_with(&path) {
-            text
-        } else {
-            format!("{path}: {text}")
-        };
-        Failure::new(Exit::BadInput, named)
-    })?;
+    let plan = plan_file::read(&options.plan)?;
     let profile = match options.profile {
         ProfileName::Default => Profile::Default,
         ProfileName::Accept => Profile::Accept,

@@ -1,4 +1,4 @@
-//! The command `locotamp`: plans a scene, solves given contact sequences, judges a plan, lists what is built in.
+//! The command `locotamp`: plans a scene, solves given contact sequences, judges and shows a plan, lists what is built in.
 //!
 //! The only place that prints and exits. Results go to standard output, progress and errors to standard error. Exit
 //! codes: 0 done, 1 no plan or plan rejected, 2 bad usage or input.
@@ -13,8 +13,10 @@ mod interrupt;
 mod memory;
 mod output;
 mod plan_command;
+mod plan_file;
 mod progress;
 mod reasons;
+mod report_command;
 mod result_json;
 mod result_text;
 mod scene_commands;
@@ -22,6 +24,8 @@ mod solve_command;
 mod symbols_command;
 mod symbols_graph;
 mod symbols_text;
+mod view_command;
+mod watch_command;
 
 use arguments::{Arguments, Command};
 use clap::Parser;
@@ -51,6 +55,9 @@ fn main() -> ExitCode {
         Command::Solve(options) => solve_command::run(options),
         Command::Bench(options) => bench_command::run(options),
         Command::Check(options) => check_command::run(options),
+        Command::View(options) => view_command::run(options),
+        Command::Watch(options) => watch_command::run(options),
+        Command::Report(options) => report_command::run(options),
         Command::Scenes { name } => scene_commands::scenes(name.as_deref()),
         Command::Symbols(options) => symbols_command::run(options),
     };

@@ -4,6 +4,7 @@ mod bad_input;
 mod chain;
 mod sequences;
 mod symbols;
+mod viewing;
 
 use assert_cmd::Command;
 use std::path::PathBuf;

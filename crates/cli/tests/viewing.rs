@@ -1,0 +1,98 @@
+//! Pages and figures from outside: what is written, and what is said of files that cannot be shown.
+
+use crate::{hopper, locotamp, stderr, stdout};
+use std::fs;
+use std::path::Path;
+
+/// A folder with a plan of the hopper, `plan.json`.
+fn planned() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = hopper();
+    let scene = scene.to_str().expect("paths of this repository are text");
+    let output = locotamp(folder.path(), &["plan", scene, "--out", ".", "--quiet"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    folder
+}
+
+/// Runs a command that must be refused; its message.
+fn refused(folder: &Path, arguments: &[&str]) -> String {
+    let output = locotamp(folder, arguments);
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert_eq!(stdout(&output), "");
+    message
+}
+
+#[test]
+fn a_page_is_one_file_without_links_to_the_network() {
+    let folder = planned();
+    let output = locotamp(folder.path(), &["view", "plan.json", "--out", "page.html"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let page = fs::read_to_string(folder.path().join("page.html")).unwrap();
+    assert!(page.contains("\"task\":\"hopper\""));
+    assert!(!page.contains("src=\"http") && !page.contains("href=\"http"));
+    assert!(!page.contains("__LOCOTAMP_DATA__"));
+}
+
+#[test]
+fn a_report_lists_the_figures_that_it_writes() {
+    let folder = planned();
+    let output = locotamp(
+        folder.path(),
+        &[
+            "report",
+            "plan.json",
+            "--out",
+            "figures",
+            "--snapshots",
+            "3",
+            "--joints",
+            "slide",
+        ],
+    );
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let files = stdout(&output);
+    assert_eq!(files.lines().count(), 7, "{files}");
+    for file in files.lines() {
+        assert!(
+            fs::metadata(folder.path().join(file)).unwrap().len() > 500,
+            "{file}"
+        );
+    }
+}
+
+#[test]
+fn what_cannot_be_shown_is_refused_with_its_name() {
+    let folder = planned();
+    let path = folder.path();
+    fs::write(path.join("bad.json"), "{\"format\": 3}").unwrap();
+    let message = refused(path, &["view", "bad.json", "--out", "page.html"]);
+    assert!(
+        message.contains("bad.json") && message.contains("is it a plan file?"),
+        "{message}"
+    );
+    assert!(!path.join("page.html").exists());
+    assert!(refused(path, &["view", "none.json", "--out", "page.html"]).contains("none.json"));
+    assert!(
+        refused(path, &["view", "plan.json", "--out", "no/such/page.html"])
+            .contains("cannot write no/such/page.html")
+    );
+    let message = refused(
+        path,
+        &[
+            "report",
+            "plan.json",
+            "--out",
+            "figures",
+            "--joints",
+            "knee",
+        ],
+    );
+    assert!(
+        message.contains("no joint \"knee\"; the plan has slide"),
+        "{message}"
+    );
+    fs::create_dir(path.join("empty")).unwrap();
+    let message = refused(path, &["watch", "empty"]);
+    assert!(message.contains("there is no journal.jsonl"), "{message}");
+}

@@ -1,0 +1,68 @@
+//! What a joint can give in an interval: its torque limit, less at speed where the plan says so.
+//!
+//! Source: `docs/plan-format.md`, "Torque at speed". The key is read from the plan's JSON, so a plan without it, or of a
+//! version that does not know it, has constant limits.
+
+use crate::motion::Motion;
+use plan::Integrator;
+use serde_json::Value;
+
+/// Torque limits of all joints of a plan.
+pub(crate) struct TorqueLimits {
+    /// Per joint of the plan: largest torque [N m] and whether the plan enforces it; `None`: unlimited.
+    pub largest: Vec<Option<(f64, bool)>>,
+    /// Per joint: from the first speed on it drives with less, at the second with nothing [rad/s].
+    at_speed: Vec<Option<[f64; 2]>>,
+}
+
+impl TorqueLimits {
+    /// The limits that the plan enforces, where it does not those of the URDF.
+    pub fn new(motion: &Motion) -> Self {
+        let robot = &motion.plan.robot;
+        let json = serde_json::to_value(robot).unwrap_or(Value::Null);
+        let speed = |joint: &String, key: &str| json["torque_speed"][joint][key].as_f64();
+        let largest = robot.joints.iter().enumerate().map(|(j, joint)| {
+            let enforced = robot.torque_limits.as_ref().and_then(|limits| limits[j]);
+            let rated = || {
+                let id = motion.model.joint_id(joint)?;
+                let limit = motion.model.joints[id].torque_limit;
+                limit.is_finite().then_some((limit, false))
+            };
+            enforced.map(|limit| (limit, true)).or_else(rated)
+        });
+        let at_speed = robot
+            .joints
+            .iter()
+            .map(|joint| Some([speed(joint, "corner")?, speed(joint, "max")?]));
+        Self {
+            largest: largest.collect(),
+            at_speed: at_speed.collect(),
+        }
+    }
+
+    /// The limit of joint `j` in interval `t` [N m].
+    pub fn at(&self, motion: &Motion, j: usize, t: usize) -> Option<f64> {
+        let (largest, enforced) = self.largest[j]?;
+        let Some([corner, max]) = self.at_speed[j].filter(|_| enforced) else {
+            return Some(largest);
+        };
+        let plan = motion.plan;
+        let nodes: &[usize] = match plan.integrator {
+            Integrator::Euler => &[t],
+            Integrator::SemiImplicitEuler => &[t + 1],
+            Integrator::ConstantAcceleration => &[t, t + 1],
+        };
+        let left = |node: &usize| {
+            let speed = plan.v[*node][6 + j] * plan.tau[t][j].signum();
+            ((max - speed) / (max - corner).max(1e-9)).clamp(0.0, 1.0)
+        };
+        Some(largest * nodes.iter().map(left).fold(1.0, f64::min))
+    }
+
+    /// Torque over limit of joint `j` in interval `t`; zero without a limit, at most ten.
+    pub fn share(&self, motion: &Motion, j: usize, t: usize) -> f64 {
+        let torque = motion.plan.tau[t][j].abs();
+        let limit = self.at(motion, j, t);
+        limit.map_or(0.0, |limit| (torque / limit.max(1e-9)).min(10.0))
+    }
+}

@@ -1,0 +1,199 @@
+// The pages in a real browser. LOCOTAMP names the built command, which makes plans and pages here.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join, resolve } from "node:path";
+import { after, before, test } from "node:test";
+import { launch, open, picture, settle, time } from "./browser.mjs";
+
+const repository = resolve(import.meta.dirname ?? new URL(".", import.meta.url).pathname, "../..");
+const folder = mkdtempSync(join(tmpdir(), "locotamp-pages-"));
+const pageFile = (name) => join(folder, `${name}.html`);
+let browser;
+
+function locotamp(...words) {
+  const command = process.env.LOCOTAMP ?? join(repository, "target/release/locotamp");
+  execFileSync(command, words, { cwd: repository, stdio: ["ignore", "ignore", "inherit"] });
+}
+
+before(async () => {
+  const squeeze = ["scenes/sequences/boxes/squeeze.toml", "--no-refine", "--no-explain", "-q"];
+  locotamp("solve", "lift-box", "--sequence", ...squeeze, "--out", join(folder, "squeeze"));
+  locotamp("plan", "crates/scene/tests/scenes/hopper.toml", "-q", "--out", join(folder, "hopper"));
+  const [one, other] = ["squeeze", "hopper"].map((name) => join(folder, name, "plan.json"));
+  locotamp("view", one, "--out", pageFile("one"));
+  locotamp("view", one, other, "--out", pageFile("two"));
+  browser = await launch();
+});
+
+after(async () => {
+  await browser?.close();
+  rmSync(folder, { recursive: true });
+});
+
+/** Runs a test on a fresh page, which must stay without errors and requests. */
+async function on(name, theme, body) {
+  const page = await open(browser, pageFile(name), theme);
+  await settle(page);
+  await body(page);
+  assert.deepEqual(page.faults, [], "errors on the console");
+  assert.deepEqual(page.requests, [], "requests of the network");
+  await page.close();
+}
+
+const cursor = (page) => page.evaluate(() => Number(document.querySelector(".cursor").dataset.x));
+const angles = (page) => page.evaluate(() => window.locotamp.views[0].stage.robot.joints.map((joint) => joint.quaternion.toArray().map((x) => x.toFixed(4)).join()).join(" "));
+
+test("the scene is drawn, in light and dark", async () => {
+  const backgrounds = [];
+  for (const theme of ["light", "dark"]) {
+    await on("one", theme, async (page) => {
+      const { drawn, background } = await picture(page);
+      assert.ok(drawn > 0.05 && drawn < 0.9, `${(100 * drawn).toFixed(1)} % of the picture differ from the background`);
+      backgrounds.push(background[0]);
+    });
+  }
+  assert.ok(backgrounds[0] > 200 && backgrounds[1] < 60, `backgrounds ${backgrounds}`);
+});
+
+test("playing moves time and picture, and pausing stops them", () => on("one", "light", async (page) => {
+  const first = await picture(page);
+  await page.click(".play");
+  await page.waitForFunction(() => window.locotamp.player.time > 0.3);
+  await page.click(".play");
+  const [moved, stopped] = [await picture(page), await time(page)];
+  assert.notEqual(moved.sum, first.sum, "the picture changes");
+  await settle(page);
+  assert.equal(await time(page), stopped);
+  assert.equal((await picture(page)).sum, moved.sum, "a paused picture stays");
+}));
+
+test("scrubbing moves charts and robot", () => on("one", "light", async (page) => {
+  const [x, pose, { sum }] = [await cursor(page), await angles(page), await picture(page)];
+  await page.$eval(".scrubber", (input) => { input.value = 8000; input.dispatchEvent(new Event("input")); });
+  await settle(page);
+  assert.ok((await cursor(page)) > x + 300, "the cursor of the charts");
+  assert.notEqual(await angles(page), pose, "the robot's joints");
+  assert.notEqual((await picture(page)).sum, sum, "the picture");
+  assert.match(await page.$eval(".clock", (clock) => clock.textContent), /^1\.\d\d \/ 2\.\d\d s$/);
+}));
+
+test("a click on the chart goes to that time", () => on("one", "light", async (page) => {
+  const box = await (await page.$(".stack canvas")).boundingBox();
+  await page.mouse.click(box.x + 0.7 * box.width, box.y + 40);
+  const [there, duration] = [await time(page), await page.evaluate(() => window.locotamp.player.duration)];
+  assert.ok(there > 0.5 * duration && there < 0.9 * duration, `${there} of ${duration}`);
+  await page.mouse.move(box.x + 0.75 * box.width, box.y + 40);
+  const tip = await page.$eval(".tip", (tip) => getComputedStyle(tip).display + tip.textContent);
+  assert.match(tip, /^block.*phase 3 of 3: lift/);
+  await page.mouse.move(box.x + 0.75 * box.width, box.y + box.height + 40);
+  assert.match(await page.$eval(".tip", (tip) => tip.textContent), /: \d+ %/, "values with their unit");
+}));
+
+test("everything can be done with keys", () => on("one", "light", async (page) => {
+  const node = () => page.evaluate(() => { const app = window.locotamp; return app.plans[0].at(app.player.time); });
+  await page.keyboard.press("ArrowRight");
+  await page.keyboard.press("ArrowRight");
+  await page.keyboard.press("ArrowLeft");
+  assert.deepEqual(await node(), { node: 1, share: 0 });
+  await page.keyboard.down("Shift");
+  await page.keyboard.press("ArrowRight");
+  await page.keyboard.up("Shift");
+  assert.equal((await node()).node, 16, "the second phase begins at node 16");
+  assert.match(await page.$eval(".caption", (caption) => caption.textContent), /squeeze.*\+ left hand on box left/);
+  await page.keyboard.press("End");
+  assert.equal(await time(page), await page.evaluate(() => window.locotamp.player.duration));
+  await page.keyboard.press("Home");
+  assert.equal(await time(page), 0);
+  await page.keyboard.press("-");
+  await page.keyboard.press("l");
+  assert.deepEqual(await page.evaluate(() => [window.locotamp.player.speed, window.locotamp.player.loop]), [0.5, false]);
+  await page.keyboard.press("Space");
+  await page.waitForFunction(() => window.locotamp.player.playing && window.locotamp.player.time > 0.05);
+  await page.keyboard.press("Space");
+  const { sum } = await picture(page);
+  await page.keyboard.press("w");
+  assert.notEqual((await picture(page)).sum, sum, "forces switched off");
+  await page.keyboard.press("t");
+  assert.equal(await page.evaluate(() => document.documentElement.dataset.theme), "dark");
+  await page.keyboard.press("?");
+  assert.ok(await page.$("dialog[open]"));
+  await page.keyboard.press("Escape");
+  assert.equal(await page.$("dialog[open]"), null);
+}));
+
+test("the robot stands where the plan says: every contact's surfaces lie in one plane", () => on("one", "light", async (page) => {
+  const worst = await page.evaluate(() => {
+    const app = window.locotamp;
+    const { plan, stage } = app.views[0];
+    let worst = 0;
+    for (const phase of plan.phases) {
+      for (let node = phase.start; node < phase.end; node++) {
+        stage.show(plan.time[node] + 1e-9);
+        for (const contact of phase.contacts) {
+          const a = stage.contacts.worldFromInterface(contact.a);
+          const b = stage.contacts.worldFromInterface(contact.b).invert();
+          worst = Math.max(worst, Math.abs(b.multiply(a).elements[14]));
+        }
+      }
+    }
+    return worst;
+  });
+  assert.ok(worst > 0 && worst < 5e-4, `${worst} m apart`);
+}));
+
+test("what limits the motion and where the checker found most is a click away", () => on("one", "light", async (page) => {
+  const text = await page.$eval(".panel", (panel) => panel.textContent);
+  assert.match(text, /Accepted by the checker/);
+  assert.match(text, /Joint torque\d+ %/);
+  await page.click(".use");
+  const there = await time(page);
+  assert.ok(there > 0, "goes to the time of the largest use");
+  await page.click(".checks summary");
+  const rows = await page.$$(".checks[open] button.check");
+  assert.ok(rows.length > 5);
+  await rows[0].click();
+  assert.notEqual(await time(page), there);
+}));
+
+test("several plans are shown by tab and side by side in step", () => on("two", "dark", async (page) => {
+  assert.deepEqual(await page.$$eval(".tab", (tabs) => tabs.map((tab) => tab.textContent)), ["squeeze", "hopper", "Side by side"]);
+  await page.keyboard.press("2");
+  assert.equal(await page.$eval(".tab[aria-selected=true]", (tab) => tab.textContent), "hopper");
+  await page.keyboard.press("s");
+  await settle(page);
+  assert.equal((await page.$$("canvas.stage")).length, 2);
+  const before = [await picture(page, 0), await picture(page, 1)];
+  await page.evaluate(() => window.locotamp.player.seek(0.2));
+  for (const view of [0, 1]) assert.notEqual((await picture(page, view)).sum, before[view].sum, `picture ${view}`);
+}));
+
+test("a page with damaged data says what is wrong", async () => {
+  const whole = readFileSync(pageFile("one"), "utf8");
+  const data = /(<script id="data" type="application\/json">)([\s\S]*?)(<\/script>)/;
+  const json = whole.match(data)[2];
+  const damaged = (change) => { const page = JSON.parse(json); change(page); return JSON.stringify(page); };
+  const cases = [
+    [json.slice(0, 500), /not JSON/],
+    [damaged((page) => { page.format = "other/3"; }), /format "other\/3", expected "locotamp\.page\/1"/],
+    [damaged((page) => { page.plans = []; }), /no plan in the page/],
+    [damaged((page) => { delete page.plans[0].interfaces; }), /squeeze: the key "interfaces" is missing/],
+    [damaged((page) => { page.plans[0].q.data.length -= 36; }), /squeeze: q has 48 rows, expected 49/],
+    [damaged((page) => { page.plans[0].tau.data[3] = "x"; }), /squeeze: tau: entry 3 is no number/],
+    [damaged((page) => { page.plans[0].phases.pop(); }), /squeeze: phases have 32 intervals, time has 48/],
+  ];
+  for (const [text, message] of cases) {
+    writeFileSync(pageFile("damaged"), whole.replace(data, (_, open, __, close) => open + text + close));
+    const page = await open(browser, pageFile("damaged"));
+    assert.match(await page.$eval("[role=alert]", (alert) => alert.textContent), message);
+    assert.deepEqual(page.faults, []);
+    await page.close();
+  }
+});
+
+test("a page is small and names nothing of the machine that made it", () => {
+  assert.ok(statSync(pageFile("two")).size < 1_500_000);
+  const text = readFileSync(pageFile("two"), "utf8");
+  assert.ok(!text.includes(folder) && !text.includes(repository));
+});
