@@ -35,9 +35,11 @@ const DIFFERENT_AT_END: usize = 2;
 /// Sequences that are under evaluation at once. Part of what decides which sequence comes next, hence no option.
 const IN_FLIGHT: usize = 4;
 /// Sequences drawn for each that is optimised.
-const DRAWS: usize = 3;
+const DRAWS: usize = 4;
 /// What a phase adds to the cost that keyframes promise: its time, at about half a second.
 const PHASE: f64 = 0.5;
+/// What the cost of keyframes counts for: a phase costs as much as sixteen of its nodes.
+const STRAIN: f64 = 16.0;
 /// Height by which a motion may end above its keyframes [m]: those are near the home posture at the end, motions stretch.
 const HEIGHT_ROOM: f64 = 0.12;
 /// Motions that others may start from.
@@ -400,7 +402,7 @@ impl Run<'_> {
             self.leave_out(number, sequence, Reached::Keyframes, Some(reason), started);
             return None;
         }
-        let promise = keyframes.report.objective + PHASE * phases.len() as f64;
+        let promise = STRAIN * keyframes.report.objective + PHASE * phases.len() as f64;
         let relative = nearest(&self.relatives, phases);
         Some((promise, From::Keyframes(keyframes.nodes, relative)))
     }
