@@ -20,7 +20,7 @@ const EFFORT: (usize, usize) = (8, 120);
 const FLIGHT_EFFORT: (usize, usize) = (12, 250);
 /// Heights of which the first that works is taken, first and last step by which the platform rises, and where it ends [m].
 const FIRST: [f64; 4] = [0.6, 0.45, 0.3, 0.15];
-const FLIGHT_FIRST: [f64; 3] = [0.3, 0.15, 0.05];
+const FLIGHT_FIRST: [f64; 2] = [0.2, 0.1];
 /// Heights that are tried from nothing too.
 const TRIED: [f64; 3] = [0.80, 0.85, 0.90];
 const FIRST_STEP: f64 = 0.1;
@@ -84,7 +84,7 @@ fn scene(start: &Start, height: f64) -> Scene {
          left_elbow_joint = {elbow}\nright_elbow_joint = {elbow}\n\
          [[static]]\nname = \"ground\"\nplane = true\n\
          [[static]]\nname = \"platform\"\nsize = [1.0, 1.4, {height}]\nposition = [{}, 0, {}]\n\
-         [objective]\nkind = \"base_height\"\n[optimiser]\nmax_duration = 1.2\n",
+         [goal]\ncontacts = [[\"left_foot\", \"platform_top\"], [\"right_foot\", \"platform_top\"]]\n",
         start.aside,
         start.yaw,
         edge + 0.5,
@@ -213,7 +213,7 @@ impl Climb<'_> {
         mut reached: Option<(f64, Motion)>,
         limits: bool,
     ) -> Option<(f64, Motion)> {
-        for height in TRIED {
+        for height in TRIED.into_iter().filter(|_| !flies(self.words)) {
             if reached.as_ref().is_some_and(|(known, _)| *known >= height) {
                 continue;
             }
