@@ -272,19 +272,22 @@ fn line(name: &str, words: &str, number: usize, seconds: f64) -> String {
     let limited = first.map(|(height, motion)| climb.raise(height, motion, true));
     let limited = climb.try_from_nothing(limited, true);
     match &limited {
-        Some((height, _)) => out += &format!(";{height:.3};{}", climb.resists),
-        None => out += &format!(";0;{}", climb.resists),
+        Some((height, _)) => write!(out, ";{height:.3};{}", climb.resists),
+        None => write!(out, ";0;{}", climb.resists),
     }
+    .expect("a text takes everything");
     climb.seconds += seconds;
     let lowest = heights[heights.len() - 1];
     let first = limited.or_else(|| Some((lowest, climb.solve(lowest, false, None)?)));
     let free = first.map(|(height, motion)| climb.raise(height, motion, false));
     match climb.try_from_nothing(free, false) {
         Some((height, mut motion)) => {
-            out += &format!(";{height:.3};{};{}", climb.resists, loads(&mut motion));
+            let loads = loads(&mut motion);
+            write!(out, ";{height:.3};{};{loads}", climb.resists)
         }
-        None => out += &format!(";0;{};", climb.resists),
+        None => write!(out, ";0;{};", climb.resists),
     }
+    .expect("a text takes everything");
     let seconds = climb.begin.elapsed().as_secs_f64();
     format!("{out};{};{seconds:.0}\n", climb.solves)
 }
