@@ -3,7 +3,12 @@
 use std::time::Instant;
 
 use crate::api::{Event, Request};
-use ocp::{Motion, Phase, Planner, Preset, Settings};
+use ocp::{Motion, Phase, Planner, Preset, Refinement, Settings};
+use solver::Iteration;
+
+/// Longest step of the grid between the coarse and the finer one, in steps of the finer one: objects and hands move along
+/// different curves between nodes, so a grid seven times as fine begins with collisions.
+const MIDDLE: f64 = 3.0;
 
 /// What became of the finer grid.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,11 +45,15 @@ pub(crate) fn refine(
         return (coarse, Refined::No);
     };
     let coarse_intervals = coarse.trajectory.program.n_intervals();
+    let middle = Refinement {
+        max_step: MIDDLE * refinement.max_step,
+        integrator: settings.integrator,
+    };
     let mut stopped = !observe(&Event::Refining {
         max_step: refinement.max_step,
     });
     let mut late = false;
-    let fine = planner.refine(phases, settings, &coarse, refinement, &mut |i| {
+    let mut watch = |i: &Iteration| {
         stopped |= !observe(&Event::Iteration {
             number: 0,
             iteration: i.number,
@@ -53,7 +62,16 @@ pub(crate) fn refine(
         });
         late = begin.elapsed().as_secs_f64() > request.time_limit;
         !stopped && !late
-    });
+    };
+    let on_the_way = (longest_step(&coarse) > middle.max_step)
+        .then(|| planner.refine(phases, settings, &coarse, middle, &mut watch))
+        .filter(|motion| motion.feasible);
+    let from = on_the_way.as_ref().unwrap_or(&coarse);
+    let mut fine = planner.refine(phases, settings, from, refinement, &mut watch);
+    if let Some(motion) = on_the_way {
+        fine.iterations += motion.iterations;
+        fine.seconds += motion.seconds;
+    }
     if fine.feasible {
         let done = Refined::Done {
             coarse_intervals,
@@ -69,4 +87,12 @@ pub(crate) fn refine(
         None => format!("the optimiser ended as {:?}", fine.report.status),
     };
     (coarse, Refined::Failed(reason))
+}
+
+/// Longest interval of a motion [s].
+fn longest_step(motion: &Motion) -> f64 {
+    let steps = motion.trajectory.program.steps.iter();
+    let step = |(duration, &steps): (&f64, &usize)| duration / steps as f64;
+    let durations = motion.point.durations.iter();
+    durations.zip(steps).map(step).fold(0.0, f64::max)
 }
