@@ -167,11 +167,9 @@ fn what_cannot_be_shown_is_said_with_its_place() {
         "{text}"
     );
     let urdf = changed(|plan| {
-        plan["robot"]["urdf"] = plan["robot"]["urdf"]
-            .as_str()
-            .unwrap()
-            .replace("value=\"8\"", "value=\"heavy\"")
-            .into()
+        let text = plan["robot"]["urdf"].as_str().unwrap();
+        let text = text.replace("value=\"8\"", "value=\"heavy\"");
+        plan["robot"]["urdf"] = text.into();
     });
     assert!(
         message(&urdf).starts_with("it: robot.urdf: "),
