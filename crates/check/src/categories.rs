@@ -31,6 +31,7 @@ pub(crate) enum Category {
     UnactuatedMoment,
     TorqueFile,
     TorqueLimit,
+    TorqueSpeed,
     JointPosition,
     JointVelocity,
     ContactDistance,
@@ -54,6 +55,7 @@ pub(crate) enum Category {
     ObjectMoment,
     Goal,
     GoalRegion,
+    GoalOrientation,
     Transitions,
     MuR,
     InterfaceSurface,
@@ -113,7 +115,7 @@ const fn same(tolerance: f64) -> (f64, f64) {
 
 /// All categories, in the order of [`Category`].
 #[rustfmt::skip]
-pub(crate) static SPECS: [Spec; 47] = [
+pub(crate) static SPECS: [Spec; 48] = [
     spec(C::Schema, "schema", "sizes, numbers, names, types and kinds that do not agree (count)", "", same(0.0), Fail),
     spec(C::Quaternion, "quaternion", "| |quaternion| - 1 |", "", same(1e-5), Fail),
     spec(C::TimeGrid, "time_grid", "time[t+1] - time[t] vs duration / steps; durations > 0", "s", same(1e-6), Fail),
@@ -128,6 +130,7 @@ pub(crate) static SPECS: [Spec; 47] = [
     spec(C::UnactuatedMoment, "unactuated_moment", "base rows of M a + b - J'l, moment about the CoM", "N m", same(15.0), Warn),
     spec(C::TorqueFile, "torque_file", "tau in the file vs inverse dynamics", "N m", (0.1, 1e-2), Fail),
     spec(C::TorqueLimit, "torque_limit", "recomputed torque over the URDF effort limit", "N m", (0.1, 1e-2), Fail),
+    spec(C::TorqueSpeed, "torque_speed", "recomputed driving torque over what is left of the limit at speed", "N m", (0.1, 1e-2), Fail),
     spec(C::JointPosition, "joint_position", "joint position beyond URDF limits", "rad", (1e-3, 1e-4), Fail),
     spec(C::JointVelocity, "joint_velocity", "joint velocity beyond URDF limits", "rad/s", (1e-2, 1e-3), Fail),
     spec(C::ContactDistance, "contact_distance", "origin of a off the plane of b", "m", (1e-3, 1e-4), Fail),
@@ -151,6 +154,7 @@ pub(crate) static SPECS: [Spec; 47] = [
     spec(C::ObjectMoment, "object_moment", "object Newton-Euler, moment rows", "N m", (0.05, 0.01), Fail),
     spec(C::Goal, "goal", "goal contacts the last phase does not list (count)", "", same(0.0), Fail),
     spec(C::GoalRegion, "goal_region", "body outside its goal region at the last node", "m", (1e-3, 1e-4), Fail),
+    spec(C::GoalOrientation, "goal_orientation", "heading or tilt outside its goal region at the last node", "deg", (0.1, 0.02), Fail),
     spec(C::Transitions, "transitions", "two partners, switching or retyping without a free phase (count)", "", same(0.0), Fail),
     spec(C::MuR, "mu_r", "unilateral patch: mu_r beyond mu x mean radius of a", "m", same(2e-3), Warn),
     spec(C::InterfaceSurface, "interface_surface", "object or static patch off its body's surface", "m", same(2e-3), Warn),

@@ -15,6 +15,7 @@
 //! [`kinematics`]: crate::kinematics
 
 use nalgebra::Vector3;
+use plan::Integrator;
 
 use crate::categories::Category;
 use crate::integration::largest;
@@ -186,7 +187,50 @@ fn equations_of_motion(
         found.add(Category::TorqueLimit, excess, || {
             motion.place(t, format!("{name} {torque:.1} N m"))
         });
+        torque_at_speed(motion, t, j, *torque, found);
     }
+}
+
+/// Torque `tau` of joint `j` in interval `t` against what is left of its limit at speed, at the nodes whose velocity the
+/// integrator uses.
+fn torque_at_speed(motion: &Motion, t: usize, j: usize, tau: f64, found: &mut Measurements) {
+    let name = &motion.robot.joints[j];
+    for (node, left) in left_at_speed(motion, t, j, tau) {
+        let excess = tau.abs() - effort_limit(motion, j) * left;
+        let excess = if excess.is_finite() {
+            excess.max(0.0)
+        } else {
+            f64::INFINITY
+        };
+        let speed = motion.plan.v[node][6 + j];
+        found.add(Category::TorqueSpeed, excess, || {
+            motion.place(t, format!("{name} {tau:.1} N m at {speed:.1} rad/s"))
+        });
+    }
+}
+
+/// The share of the limit of joint `j` that is left for a torque `tau` in interval `t`, and the node: one entry per velocity
+/// that the integrator uses, none where nothing is declared or enforced. Full when the joint brakes, at most 1, at least 0.
+pub(crate) fn left_at_speed(
+    motion: &Motion,
+    t: usize,
+    j: usize,
+    tau: f64,
+) -> impl Iterator<Item = (usize, f64)> {
+    let curve = motion.plan.robot.torque_speed.get(&motion.robot.joints[j]);
+    let curve = curve.filter(|_| effort_limit(motion, j).is_finite());
+    let nodes = match motion.plan.integrator {
+        Integrator::Euler => t..=t,
+        Integrator::SemiImplicitEuler => t + 1..=t + 1,
+        Integrator::ConstantAcceleration => t..=t + 1,
+    };
+    curve.into_iter().flat_map(move |curve| {
+        nodes.clone().map(move |node| {
+            let driving = motion.plan.v[node][6 + j] * tau.signum();
+            let left = 1.0 - (driving - curve.corner) / (curve.max - curve.corner);
+            (node, left.clamp(0.0, 1.0))
+        })
+    })
 }
 
 /// Effort limit of joint `j` [N m]; infinite if the plan declares it as not enforced.

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 use plan::GoalRegion;
+use spatial::Pose;
 
 use crate::categories::Category;
 use crate::measure::Measurements;
@@ -26,18 +27,19 @@ pub(crate) fn judge(motion: &Motion, found: &mut Measurements) {
         }
     }
     for region in &plan.goal_regions {
-        let beyond = match last_position(motion, &region.body) {
-            Some(position) => beyond(region, &position),
-            None => f64::INFINITY,
-        };
-        found.add(Category::GoalRegion, beyond, || {
-            motion.place(motion.n_intervals(), &region.body)
-        });
+        let pose = last_pose(motion, &region.body);
+        let place = || motion.place(motion.n_intervals(), &region.body);
+        let distance = pose.map_or(f64::INFINITY, |pose| beyond(region, &pose.origin()));
+        found.add(Category::GoalRegion, distance, place);
+        if region.yaw.is_some() || region.tilt.is_some() {
+            let angle = pose.map_or(f64::INFINITY, |pose| turned_beyond(region, pose));
+            found.add(Category::GoalOrientation, angle.to_degrees(), place);
+        }
     }
 }
 
-/// Position of an object, link or interface at the last node, world [m].
-fn last_position(motion: &Motion, body: &str) -> Option<Vector3<f64>> {
+/// Pose of an object, link or interface at the last node, in the world.
+fn last_pose<'m>(motion: &'m Motion, body: &str) -> Option<&'m Pose> {
     let last = motion.n_intervals();
     let object = motion
         .plan
@@ -56,7 +58,25 @@ fn last_position(motion: &Motion, body: &str) -> Option<Vector3<f64>> {
     object
         .or_else(link)
         .or_else(interface)
-        .map(|frame| frame.world_from_frame.origin())
+        .map(|frame| &frame.world_from_frame)
+}
+
+/// How far a body is turned out of its goal, by heading or tilt, whichever is more [rad].
+fn turned_beyond(region: &GoalRegion, world_from_body: &Pose) -> f64 {
+    let rotation = world_from_body.rotation();
+    let heading = region.yaw.map_or(0.0, |[least, greatest]| {
+        let yaw = rotation[(1, 0)].atan2(rotation[(0, 0)]);
+        let from_middle = yaw - (least + greatest) / 2.0;
+        let (sin, cos) = from_middle.sin_cos();
+        sin.atan2(cos).abs() - (greatest - least) / 2.0
+    });
+    let tilt = region.tilt.map_or(0.0, |greatest| {
+        rotation[(0, 2)]
+            .hypot(rotation[(1, 2)])
+            .atan2(rotation[(2, 2)])
+            - greatest
+    });
+    heading.max(tilt).max(0.0)
 }
 
 /// How far a position is outside a region along the worst axis [m].

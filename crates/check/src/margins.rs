@@ -5,7 +5,7 @@ use std::fmt;
 use serde::Serialize;
 
 use crate::cones::in_own_axes;
-use crate::dynamics::{effort_limit, torques};
+use crate::dynamics::{effort_limit, left_at_speed, torques};
 use crate::motion::Motion;
 use crate::report::Location;
 
@@ -18,7 +18,7 @@ const NEARLY: f64 = 0.95;
 /// How much of one kind of limit is used; 1 is all.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Margin {
-    /// `friction`, `cop`, `torsion` or `torque`.
+    /// `friction`, `cop`, `torsion`, `torque` or `torque_speed` (of what is left of the torque at speed).
     pub limit: &'static str,
     /// Largest use.
     pub largest: f64,
@@ -62,11 +62,25 @@ impl Samples {
             self.largest = Some((use_of_limit, location()));
         }
     }
+
+    /// The largest use among joints in interval `t`.
+    fn add_largest(&mut self, uses: impl Iterator<Item = (usize, f64)>, motion: &Motion, t: usize) {
+        let finite = uses.filter(|(_, x)| x.is_finite());
+        if let Some((j, largest)) = finite.max_by(|x, y| x.1.total_cmp(&y.1)) {
+            self.add(largest, || motion.place(t, &motion.robot.joints[j]));
+        }
+    }
 }
 
 /// Use of friction, centre-of-pressure, torsion and torque limits, over loaded unilateral contacts and all intervals.
 pub(crate) fn used(motion: &Motion) -> Vec<Margin> {
-    let [mut friction, mut cop, mut torsion, mut torque] = [(); 4].map(|()| Samples::default());
+    let [
+        mut friction,
+        mut cop,
+        mut torsion,
+        mut torque,
+        mut torque_speed,
+    ] = [(); 5].map(|()| Samples::default());
     for t in 0..motion.n_intervals() {
         for (contact, force, moment) in motion.loads(t) {
             let (force_in_b, moment_in_a) = in_own_axes(motion, contact, t, &force, &moment);
@@ -89,22 +103,24 @@ pub(crate) fn used(motion: &Motion) -> Vec<Margin> {
                 );
             }
         }
-        let uses = torques(motion, t)
-            .into_iter()
-            .enumerate()
-            .map(|(j, tau)| (j, tau.abs() / effort_limit(motion, j)));
-        if let Some((j, largest)) = uses
-            .filter(|(_, x)| x.is_finite())
-            .max_by(|x, y| x.1.total_cmp(&y.1))
-        {
-            torque.add(largest, || motion.place(t, &motion.robot.joints[j]));
-        }
+        let torques = torques(motion, t);
+        let uses = || {
+            let torques = torques.iter().enumerate();
+            torques.map(|(j, tau)| (j, tau.abs() / effort_limit(motion, j)))
+        };
+        let at_speed = uses().flat_map(|(j, share)| {
+            let left = left_at_speed(motion, t, j, torques[j]);
+            left.map(move |(_, left)| (j, share / left))
+        });
+        torque.add_largest(uses(), motion, t);
+        torque_speed.add_largest(at_speed, motion, t);
     }
     let named = [
         ("friction", friction),
         ("cop", cop),
         ("torsion", torsion),
         ("torque", torque),
+        ("torque_speed", torque_speed),
     ];
     let margin = |(limit, samples): (&'static str, Samples)| {
         let (largest, location) = samples.largest?;

@@ -193,6 +193,7 @@ fn standing() -> Plan {
             urdf: g1.text.clone(),
             joints: g1.joints.clone(),
             torque_limits: None,
+            torque_speed: BTreeMap::new(),
             extra: Extra::new(),
         },
         objects: Vec::new(),

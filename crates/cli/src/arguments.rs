@@ -45,11 +45,9 @@ pub(crate) enum Command {
         /// Print the text of this scene
         name: Option<String>,
     },
-    /// Show interfaces and possible contacts of a scene, and what the pruning rules leave
-    Symbols {
-        /// Name of a built-in scene, or path of a .toml file
-        scene: String,
-    },
+    /// Show interfaces, possible contacts, limits and skeletons of a scene, and what the pruning rules leave
+    #[command(after_help = EXIT_CODES)]
+    Symbols(SymbolsOptions),
 }
 
 impl Command {
@@ -60,11 +58,8 @@ impl Command {
             Self::Solve(options) => options.json,
             Self::Bench(options) => options.json,
             Self::Check(options) => options.json,
-            Self::View(_)
-            | Self::Watch(_)
-            | Self::Report(_)
-            | Self::Scenes { .. }
-            | Self::Symbols { .. } => false,
+            Self::Symbols(options) => options.json,
+            Self::View(_) | Self::Watch(_) | Self::Report(_) | Self::Scenes { .. } => false,
         }
     }
 }
@@ -82,6 +77,21 @@ pub(crate) struct PlanOptions {
     /// End after this many seconds with the best so far
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub time_limit: Option<f64>,
+    /// How the next contact sequence is chosen
+    #[arg(long, value_enum, default_value_t = SearchName::Tree)]
+    pub search: SearchName,
+    /// End with so many feasible plans
+    #[arg(long, value_name = "N", default_value_t = 4)]
+    pub solutions: usize,
+    /// Optimise at most so many contact sequences
+    #[arg(long, value_name = "N", default_value_t = 200)]
+    pub max_sequences: usize,
+    /// Threads that optimise motions; 0: one per processor. The result does not depend on it
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub threads: usize,
+    /// Continue the run whose journal is in --out, without asking again what it knows
+    #[arg(long, requires = "out")]
+    pub resume: bool,
     #[command(flatten)]
     pub problem: ProblemOptions,
     /// One JSON object on standard output
@@ -90,6 +100,27 @@ pub(crate) struct PlanOptions {
     /// No progress
     #[arg(long, short)]
     pub quiet: bool,
+}
+
+/// Ways to search.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub(crate) enum SearchName {
+    /// Monte-Carlo tree search
+    Tree,
+    /// In order of symbolic cost
+    BestFirst,
+    /// Random walks
+    Random,
+}
+
+impl From<SearchName> for locotamp::Search {
+    fn from(name: SearchName) -> Self {
+        match name {
+            SearchName::Tree => Self::Tree,
+            SearchName::BestFirst => Self::BestFirst,
+            SearchName::Random => Self::Random,
+        }
+    }
 }
 
 /// What `plan` and `solve` optimise.
@@ -107,7 +138,7 @@ pub(crate) struct ProblemOptions {
     /// Write the optimiser's coarse motion as it is
     #[arg(long)]
     pub no_refine: bool,
-    /// Leave the joint torque limits out (to see what they change)
+    /// Leave the joint torque limits out, torque at speed too (to see what they change)
     #[arg(long)]
     pub no_torque_limits: bool,
 }
@@ -181,12 +212,48 @@ pub(crate) struct BenchOptions {
     /// How states follow from one another before the refinement
     #[arg(long, value_enum, default_value_t = IntegratorName::Euler)]
     pub integrator: IntegratorName,
+    /// Leave the joint torque limits out, torque at speed too (to see what they change)
+    #[arg(long)]
+    pub no_torque_limits: bool,
     /// One JSON list on standard output
     #[arg(long)]
     pub json: bool,
     /// No progress
     #[arg(long, short)]
     pub quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SymbolsOptions {
+    /// Name of a built-in scene, or path of a .toml file
+    pub scene: String,
+    /// Write a graph to this file, for Graphviz
+    #[arg(long, value_name = "FILE")]
+    pub dot: Option<PathBuf>,
+    /// Write a graph to this file, as JSON
+    #[arg(long, value_name = "FILE")]
+    pub graph_json: Option<PathBuf>,
+    /// Which graph is written
+    #[arg(long, value_enum, default_value_t = GraphName::Skeletons)]
+    pub graph: GraphName,
+    /// Most nodes of the graph of contact states that is written
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = nodes)]
+    pub nodes: usize,
+    /// Write domain.pddl and problem.pddl into this folder, for other planners
+    #[arg(long, value_name = "DIR")]
+    pub pddl: Option<PathBuf>,
+    /// One JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// The graphs by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum GraphName {
+    /// Manipulation states and the actions of skeletons
+    Skeletons,
+    /// Contact states along skeletons, breadth first from the start
+    Contacts,
 }
 
 /// The presets by name.
@@ -267,6 +334,13 @@ fn seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value > 0.0 => Ok(value),
         _ => Err("expected a positive number of seconds".into()),
+    }
+}
+
+fn nodes(text: &str) -> Result<usize, String> {
+    match text.parse::<usize>() {
+        Ok(value @ 1..=1_000_000) => Ok(value),
+        _ => Err("expected a whole number from 1 to 1000000".into()),
     }
 }
 

@@ -114,7 +114,10 @@ fn entries(options: &BenchOptions) -> Result<Vec<Entry>, Failure> {
             continue;
         }
         let file = SequenceFile::load(&path)?;
-        let scene = file.load_scene()?;
+        let mut scene = file.load_scene()?;
+        if options.no_torque_limits {
+            scene.optimiser.torque_limits = false;
+        }
         let mut sequence = file.resolve(&scene)?;
         if let Some(steps) = options.steps {
             for phase in &mut sequence.phases {

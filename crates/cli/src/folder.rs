@@ -58,6 +58,16 @@ impl Folder {
         self.path.join("plan.json")
     }
 
+    /// Where the search's answers go.
+    pub fn journal(&self) -> PathBuf {
+        self.path.join("journal.jsonl")
+    }
+
+    /// Where the plan of a sequence goes.
+    pub fn solution(&self, number: usize) -> PathBuf {
+        self.path.join("plans").join(format!("{number:04}.json"))
+    }
+
     /// Where the report goes.
     pub fn report(&self) -> PathBuf {
         self.path.join("report.json")

@@ -21,6 +21,9 @@ mod result_json;
 mod result_text;
 mod scene_commands;
 mod solve_command;
+mod symbols_command;
+mod symbols_graph;
+mod symbols_text;
 mod view_command;
 mod watch_command;
 
@@ -56,7 +59,7 @@ fn main() -> ExitCode {
         Command::Watch(options) => watch_command::run(options),
         Command::Report(options) => report_command::run(options),
         Command::Scenes { name } => scene_commands::scenes(name.as_deref()),
-        Command::Symbols { scene } => scene_commands::symbols(scene),
+        Command::Symbols(options) => symbols_command::run(options),
     };
     match done {
         Ok(exit) => exit.into(),

@@ -5,12 +5,11 @@ use crate::failure::Failure;
 use crate::folder::Folder;
 use crate::progress::Progress;
 use crate::{Exit, interrupt, output, result_json, result_text};
-use locotamp::{Found, Outcome, Request};
+use locotamp::{Alternative, Event, Found, Outcome, Request, Stop};
 use plan::{Plan, PlanError};
 use scene::Scene;
 use std::fmt;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
 
 /// A run with everything that is said about it.
 pub(crate) struct Finished {
@@ -21,6 +20,66 @@ pub(crate) struct Finished {
     pub path: Option<PathBuf>,
     /// What the checker says about the file.
     pub verdict: Option<Verdict>,
+    /// The best plans that differ in their loaded contacts.
+    pub rows: Vec<Row>,
+}
+
+/// A plan in the table of alternatives.
+pub(crate) struct Row {
+    /// Number of its sequence, by which its file is called.
+    pub number: usize,
+    /// Duration [s].
+    pub duration: f64,
+    /// Cost of the optimiser.
+    pub cost: f64,
+    /// Share of the torque limits that is not used.
+    pub torque_margin: f64,
+    /// Largest slip of a contact [m].
+    pub slip: f64,
+    /// Phases with different loaded contacts.
+    pub loaded: usize,
+    /// Skeleton and swings in short.
+    pub contacts: String,
+    pub verdict: Verdict,
+}
+
+impl Row {
+    fn of(alternative: &Alternative) -> Self {
+        let plan = &alternative.plan;
+        let limits = plan.robot.torque_limits.as_deref().unwrap_or_default();
+        let ratio = |(torque, limit): (&f64, &Option<f64>)| limit.map_or(0.0, |l| torque.abs() / l);
+        let ratios = plan
+            .tau
+            .iter()
+            .flat_map(|row| row.iter().zip(limits).map(ratio));
+        Self {
+            number: alternative.number,
+            duration: alternative.duration,
+            cost: alternative.cost,
+            torque_margin: 1.0 - ratios.fold(0.0, f64::max),
+            slip: slip(plan),
+            loaded: alternative.loaded.len(),
+            contacts: story(&alternative.loaded),
+            verdict: Verdict::of(plan),
+        }
+    }
+}
+
+/// Largest slip that the checker finds [m].
+fn slip(plan: &Plan) -> f64 {
+    let report = check::check(plan, &check::Options::accept());
+    let slip = report.row("slip_phase").and_then(|row| row.value);
+    1e-3 * slip.unwrap_or(0.0)
+}
+
+/// The contacts that objects and hands gain, in order.
+fn story(loaded: &[Vec<String>]) -> String {
+    let mut gained = vec![];
+    for pair in loaded.windows(2) {
+        let new = pair[1].iter().filter(|c| !pair[0].contains(c));
+        gained.extend(new.cloned());
+    }
+    gained.join(", ")
 }
 
 /// What the checker says about a plan, in one line.
@@ -90,7 +149,7 @@ pub(crate) fn run(options: &PlanOptions) -> Result<Exit, Failure> {
     }
     let folder = Folder::open(options.out.as_deref(), &scene.name)?;
     let finished =
-        search(options, &scene).and_then(|outcome| finish(&scene, outcome, &folder.plan()));
+        search(options, &scene, &folder).and_then(|outcome| finish(&scene, outcome, &folder));
     folder.remove_if_unused();
     let finished = finished?;
     if options.json {
@@ -109,39 +168,67 @@ pub(crate) fn run(options: &PlanOptions) -> Result<Exit, Failure> {
     Ok(if accepted { Exit::Done } else { Exit::Rejected })
 }
 
-fn search(options: &PlanOptions, scene: &Scene) -> Result<Outcome, Failure> {
+fn search(options: &PlanOptions, scene: &Scene, folder: &Folder) -> Result<Outcome, Failure> {
+    let interrupted = interrupt::flag();
     let request = Request {
         seed: options.seed,
+        search: options.search.into(),
+        threads: options.threads,
+        solutions: options.solutions,
+        max_optimised: options.max_sequences,
+        journal: Some(folder.journal()),
+        resume: options.resume,
+        stop: Stop(interrupted),
         ..options.problem.request(options.time_limit)
     };
-    let interrupted = interrupt::flag();
     let mut progress = Progress::new(options.quiet);
+    let mut failure = None;
     let outcome = locotamp::plan(scene, &request, &mut |event| {
         progress.see(event);
-        !interrupted.load(Ordering::SeqCst)
+        if let Event::Solution { number, best, plan } = event {
+            failure = solution(folder, *number, *best, plan).err();
+        }
+        failure.is_none()
     });
     progress.finish();
-    Ok(outcome?)
+    failure.map_or(Ok(outcome?), Err)
 }
 
-/// Writes the best plan, reads it back and has it judged.
-fn finish(scene: &Scene, outcome: Outcome, path: &Path) -> Result<Finished, Failure> {
-    let scene = scene.name.clone();
-    let Some(Found { plan, .. }) = &outcome.best else {
-        return Ok(Finished {
-            scene,
-            outcome,
-            path: None,
-            verdict: None,
-        });
-    };
-    let verdict = judge(plan, path)?;
-    Ok(Finished {
-        scene,
+/// Writes a plan of the search as soon as it is there; the best one also as the plan of the run.
+fn solution(folder: &Folder, number: usize, best: bool, plan: &Plan) -> Result<(), Failure> {
+    let path = folder.solution(number);
+    if let Some(parent) = path.parent() {
+        std::fs::create_dir_all(parent)
+            .map_err(|error| Failure::path("make the folder", parent, &error))?;
+    }
+    let targets = [Some(path), best.then(|| folder.plan())];
+    for path in targets.into_iter().flatten() {
+        plan.write(&path).map_err(|error| {
+            Failure::new(
+                Exit::BadInput,
+                format_args!("cannot write the plan: {error}"),
+            )
+        })?;
+    }
+    Ok(())
+}
+
+/// Writes the best plan, reads it back and has it judged; judges its alternatives.
+fn finish(scene: &Scene, outcome: Outcome, folder: &Folder) -> Result<Finished, Failure> {
+    let rows = outcome.alternatives.iter().map(Row::of).collect();
+    let path = folder.plan();
+    let mut finished = Finished {
+        scene: scene.name.clone(),
         outcome,
-        path: Some(path.into()),
-        verdict: Some(verdict),
-    })
+        path: None,
+        verdict: None,
+        rows,
+    };
+    if let Some(Found { plan, .. }) = &finished.outcome.best {
+        finished.verdict = Some(judge(plan, &path)?);
+        finished.path = Some(path);
+    }
+    Ok(finished)
 }
 
 /// Writes a plan, reads it back and has it judged.

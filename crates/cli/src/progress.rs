@@ -143,6 +143,7 @@ impl Progress {
                     self.title(*number)
                 );
             }
+            Event::Solution { .. } => {}
             Event::Refining { max_step } => {
                 self.doing = "refining".into();
                 return Some(format!(

@@ -23,6 +23,7 @@ pub(crate) fn most_frequent(attempts: &[Attempt], impossible: &[Impossible]) -> 
     for attempt in attempts {
         let stage = match attempt.reached {
             Reached::Keyframes => "no keyframes",
+            Reached::Alike => "left out",
             Reached::Optimised => "no motion",
             Reached::Feasible => continue,
         };

@@ -24,6 +24,11 @@ pub(crate) fn write(finished: &Finished) -> Value {
         "refinement": outcome.best.as_ref().map(|found| refinement(&found.refined)),
         "quality": outcome.best.as_ref().map(|found| &found.quality),
         "check": finished.verdict.as_ref().map(|v| json!({ "ok": v.ok(), "failed": v.failed })),
+        "first_plan_after": outcome.first_after,
+        "alternatives": finished.rows.iter().map(|row| json!({
+            "plan": row.number, "duration": row.duration, "cost": row.cost, "torque_margin": row.torque_margin,
+            "slip": row.slip, "loaded_phases": row.loaded, "contacts": row.contacts, "accepted": row.verdict.ok(),
+        })).collect::<Vec<_>>(),
         "reasons": reasons.iter().map(|r| json!({
             "count": r.count, "stage": r.stage, "what": r.what, "example": r.example,
         })).collect::<Vec<_>>(),
@@ -66,6 +71,7 @@ pub(crate) fn refinement(refined: &Refined) -> Value {
 fn attempt(attempt: &Attempt) -> Value {
     let reached = match attempt.reached {
         Reached::Keyframes => "keyframes",
+        Reached::Alike => "alike",
         Reached::Optimised => "optimised",
         Reached::Feasible => "feasible",
     };

@@ -25,6 +25,10 @@ pub(crate) fn write(finished: &Finished) -> String {
         "search             {tried} {sequences} tried in {:.1} s; {}",
         outcome.seconds, outcome.ended
     );
+    if let Some(first) = outcome.first_after {
+        let _ = writeln!(text, "first plan         after {first:.1} s");
+    }
+    text += &alternatives(finished);
     if let Some(path) = &finished.path {
         let _ = writeln!(text, "plan file          {}", path.display());
     }
@@ -34,6 +38,35 @@ pub(crate) fn write(finished: &Finished) -> String {
     if !outcome.feasible {
         text += &explanation(outcome);
     }
+    text
+}
+
+/// The plans that differ in their loaded contacts, before refinement.
+fn alternatives(finished: &Finished) -> String {
+    let mut text = String::new();
+    if finished.rows.len() < 2 {
+        return text;
+    }
+    text += "\n  plan  duration     cost  torque margin  slip       loaded phases  contacts made\n";
+    for row in &finished.rows {
+        let _ = writeln!(
+            text,
+            "  {:04}  {:6.2} s {:8.3}  {:10.0} %  {:7.1e} m  {:13}  {}{}",
+            row.number,
+            row.duration,
+            row.cost,
+            100.0 * row.torque_margin,
+            row.slip,
+            row.loaded,
+            row.contacts,
+            if row.verdict.ok() {
+                ""
+            } else {
+                " (rejected by the checker)"
+            },
+        );
+    }
+    text.push('\n');
     text
 }
 

@@ -1,11 +1,9 @@
-//! `locotamp scenes` and `locotamp symbols`: what is built in, and what a scene means symbolically.
+//! `locotamp scenes`: what is built in.
 
 use crate::failure::Failure;
-use crate::plan_command::load;
 use crate::{Exit, output};
 use scene::Scene;
 use std::fmt::Write;
-use symbolic::statistics::count_by_rule;
 
 /// Lists the built-in scenes, or prints the text of one.
 pub(crate) fn scenes(name: Option<&str>) -> Result<Exit, Failure> {
@@ -39,37 +37,6 @@ fn about(text: &str) -> String {
         .map(str::to_owned)
         .collect();
     sentences.concat().trim_end().to_owned()
-}
-
-/// Prints interfaces, possible contacts and what each pruning rule leaves.
-pub(crate) fn symbols(scene: &str) -> Result<Exit, Failure> {
-    let domain = locotamp::domain(&load(scene)?)?;
-    let mut text = format!("{} interfaces\n", domain.interfaces().len());
-    for interface in domain.interfaces() {
-        let _ = writeln!(text, "  {}", interface.name);
-    }
-    let _ = writeln!(text, "\n{} possible contacts", domain.contacts().len());
-    for contact in domain.contacts() {
-        let _ = writeln!(text, "  {}", domain.contact_name(contact));
-    }
-    let _ = writeln!(
-        text,
-        "\n{:>9}  {:>12}  {:>12}  after the rule",
-        "contacts", "states", "transitions"
-    );
-    for row in count_by_rule(&domain) {
-        let number = |count: Option<symbolic::statistics::Count>| {
-            count.map_or_else(|| "?".into(), |c| c.to_string())
-        };
-        let (states, transitions) = (number(row.states), number(row.transitions));
-        let _ = writeln!(
-            text,
-            "{:>9}  {states:>12}  {transitions:>12}  {}",
-            row.contacts, row.rule
-        );
-    }
-    output::result(&text);
-    Ok(Exit::Done)
 }
 
 #[cfg(test)]

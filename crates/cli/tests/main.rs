@@ -3,6 +3,7 @@
 mod bad_input;
 mod chain;
 mod sequences;
+mod symbols;
 mod viewing;
 
 use assert_cmd::Command;

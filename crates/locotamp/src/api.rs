@@ -5,14 +5,70 @@ use crate::quality::{self, Quality};
 use crate::refine::Refined;
 use crate::summary::{self, Summary};
 use ocp::{Integrator, Motion, Preset, Refinement};
+use plan::Plan;
 use scene::Scene;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use symbolic::SymbolicError;
+
+/// How the search chooses the next contact sequence.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Search {
+    /// Monte-Carlo tree search, the paper's.
+    #[default]
+    Tree,
+    /// All sequences in order of their symbolic cost.
+    BestFirst,
+    /// Random walks without memory.
+    Random,
+}
+
+impl Search {
+    /// The name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Tree => "tree",
+            Self::BestFirst => "best_first",
+            Self::Random => "random",
+        }
+    }
+}
+
+/// A flag by which another thread or a signal handler ends a run; the best so far is returned.
+#[derive(Debug, Clone, Default)]
+pub struct Stop(pub Arc<AtomicBool>);
+
+impl Stop {
+    /// True once the run is to end.
+    pub fn is_set(&self) -> bool {
+        self.0.load(Ordering::SeqCst)
+    }
+}
+
+impl PartialEq for Stop {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
 
 /// Options of one planning run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Request {
     /// Which trajectory problem.
     pub preset: Preset,
+    /// How sequences are chosen.
+    pub search: Search,
+    /// Threads that optimise motions; 0: one per processor. The result does not depend on it.
+    pub threads: usize,
+    /// File of the search's answers, so that a run can be continued.
+    pub journal: Option<PathBuf>,
+    /// Continue the run whose journal that is.
+    pub resume: bool,
+    /// Ends the run when set.
+    pub stop: Stop,
+    /// Most different plans that are kept.
+    pub alternatives: usize,
     /// Seed of every random choice; the same scene and seed give the same plan.
     pub seed: u64,
     /// Wall time after which the best plan so far is returned [s]; infinite by default.
@@ -33,6 +89,12 @@ impl Default for Request {
     fn default() -> Self {
         Self {
             preset: Preset::Default,
+            search: Search::Tree,
+            threads: 0,
+            journal: None,
+            resume: false,
+            stop: Stop::default(),
+            alternatives: 5,
             seed: 0,
             time_limit: f64::INFINITY,
             solutions: 4,
@@ -85,6 +147,15 @@ pub enum Event {
         /// Objective.
         objective: f64,
     },
+    /// A feasible plan, as it is before refinement.
+    Solution {
+        /// Number of the sequence.
+        number: usize,
+        /// True if it is the cheapest so far.
+        best: bool,
+        /// The plan.
+        plan: Box<Plan>,
+    },
     /// The best motion is optimised again on a finer grid.
     Refining {
         /// Longest interval [s].
@@ -115,8 +186,10 @@ pub enum Event {
 /// How far a sequence got.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reached {
-    /// Its keyframes are impossible.
+    /// Its keyframes are impossible, or promise less than a plan that is there (objective "base height").
     Keyframes,
+    /// It was left out, since others failed again and again at the same contacts.
+    Alike,
     /// It was optimised without success.
     Optimised,
     /// It is a feasible plan.
@@ -140,6 +213,21 @@ pub struct Attempt {
     pub iterations: usize,
     /// Time spent [s].
     pub seconds: f64,
+}
+
+/// A feasible plan among others.
+#[derive(Debug, Clone)]
+pub struct Alternative {
+    /// Number of its sequence.
+    pub number: usize,
+    /// Cost of the optimiser.
+    pub cost: f64,
+    /// Sum of the durations [s].
+    pub duration: f64,
+    /// Contacts that bear load, phase by phase.
+    pub loaded: Vec<Vec<String>>,
+    /// The plan before refinement.
+    pub plan: Plan,
 }
 
 /// Contacts that no configuration satisfies together: states that contain them, and transitions that join them, were refused
@@ -196,6 +284,10 @@ pub struct Outcome {
     pub best: Option<Found>,
     /// True if `best` satisfies everything.
     pub feasible: bool,
+    /// The cheapest feasible plans that differ in their loaded contacts, the cheapest first.
+    pub alternatives: Vec<Alternative>,
+    /// Wall time until the first feasible plan [s].
+    pub first_after: Option<f64>,
     /// All sequences tried, in order.
     pub attempts: Vec<Attempt>,
     /// Contacts that were found to exclude one another.
@@ -232,6 +324,14 @@ pub enum Error {
         "the preset `paper` has explicit Euler only (its momentum rows are defined with it); drop the integrator or the preset"
     )]
     PaperIntegrator,
+    /// The journal cannot be used.
+    #[error("journal {path}: {reason}")]
+    Journal {
+        /// Where it is.
+        path: String,
+        /// Why.
+        reason: String,
+    },
     /// The goal cannot be reached by any sequence of manipulation actions.
     #[error("{0}")]
     Unreachable(String),

@@ -5,13 +5,14 @@
 //! supersets of an impossible one are not. An impossible set is reduced to contacts that are all needed for it to be
 //! impossible, so that one rejection concerns as many states as it can.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::time::Instant;
 
-use crate::api::Impossible;
+use crate::api::{Impossible, Stop};
+use crate::journal::{Answer, Journal, States};
 use crate::summary;
 use ocp::{Keyframes, Phase, Planner, Settings};
-use scene::Scene;
+use scene::{Role, Scene};
 use symbolic::{Contact, ContactState, Oracle, Verdict};
 
 /// Checks of one scene with one set of options.
@@ -19,15 +20,18 @@ pub(crate) struct Checks<'a> {
     scene: &'a Scene,
     planner: &'a Planner<'a>,
     settings: &'a Settings,
+    /// Intervals per phase.
+    steps: usize,
     /// When the search ends at the latest.
     begin: Instant,
     time_limit: f64,
+    stop: Stop,
+    /// What has been answered.
+    pub journal: Journal,
     /// Sets that one configuration satisfies.
     possible: BTreeSet<ContactState>,
     /// Smallest sets that none satisfies.
     impossible: Vec<Core>,
-    /// Beginnings of sequences.
-    prefixes: BTreeMap<Vec<ContactState>, bool>,
 }
 
 /// Contacts that exclude one another.
@@ -38,22 +42,45 @@ struct Core {
 }
 
 impl<'a> Checks<'a> {
-    /// Nothing known yet.
+    /// Nothing known but what the journal holds.
     pub fn new(
-        planner: &'a Planner<'a>,
-        settings: &'a Settings,
-        begin: Instant,
-        time_limit: f64,
+        (planner, settings, steps): (&'a Planner<'a>, &'a Settings, usize),
+        (begin, time_limit, stop): (Instant, f64, Stop),
+        journal: Journal,
     ) -> Self {
         Self {
             scene: planner.scene,
             planner,
             settings,
+            steps,
             begin,
             time_limit,
+            stop,
+            journal,
             possible: BTreeSet::new(),
             impossible: Vec::new(),
-            prefixes: BTreeMap::new(),
+        }
+    }
+
+    /// Is there a configuration with these contacts? If not, why.
+    fn ask(&mut self, set: &ContactState) -> Answer {
+        let states = vec![self.names(set)];
+        if let Some(known) = self.journal.state(&states) {
+            return known.clone();
+        }
+        let clock = Instant::now();
+        let answer = self.answer(states, &self.planner.state(set, self.settings), clock);
+        self.journal.note_state(answer.clone());
+        answer
+    }
+
+    fn answer(&self, states: States, found: &Keyframes, clock: Instant) -> Answer {
+        let worst = found.worst.as_ref().filter(|_| !found.possible);
+        Answer {
+            states,
+            possible: found.possible,
+            reason: worst.map(|w| summary::amount(self.scene, w)),
+            seconds: clock.elapsed().as_secs_f64(),
         }
     }
 
@@ -69,7 +96,7 @@ impl<'a> Checks<'a> {
         if self.possible.iter().any(|known| set.is_subset(known)) {
             return None;
         }
-        let found = self.planner.state(set, self.settings);
+        let found = self.ask(set);
         if found.possible {
             self.possible.insert(set.clone());
             return None;
@@ -78,21 +105,25 @@ impl<'a> Checks<'a> {
     }
 
     /// Leaves out every contact without which the rest is still impossible.
-    fn reduce(&mut self, mut core: ContactState, mut found: Keyframes) -> usize {
+    fn reduce(&mut self, mut core: ContactState, mut found: Answer) -> usize {
         for contact in core.clone().iter() {
             let mut less = core.clone();
             less.contacts.remove(&contact);
             if self.possible.iter().any(|known| less.is_subset(known)) {
                 continue;
             }
-            let without = self.planner.state(&less, self.settings);
+            let without = self.ask(&less);
             if without.possible {
                 self.possible.insert(less);
             } else {
                 (core, found) = (less, without);
             }
         }
-        let reason = self.reason(&core, &found);
+        let reason = format!(
+            "no configuration has {}: {}",
+            self.names(&core).join(" with "),
+            found.reason.unwrap_or_default()
+        );
         self.impossible.push(Core {
             contacts: core,
             reason,
@@ -101,17 +132,18 @@ impl<'a> Checks<'a> {
         self.impossible.len() - 1
     }
 
-    fn reason(&self, core: &ContactState, found: &Keyframes) -> String {
-        let contacts: Vec<String> = core.iter().map(|c| self.name(c)).collect();
-        let together = contacts.join(" with ");
-        let worst = found.worst.as_ref();
-        let by = worst.map_or_else(String::new, |w| summary::amount(self.scene, w));
-        format!("no configuration has {together}: {by}")
-    }
-
-    fn name(&self, contact: Contact) -> String {
+    /// The contacts of a state in words, in order.
+    pub fn names(&self, state: &ContactState) -> Vec<String> {
         let name = |i: symbolic::InterfaceId| &self.scene.interfaces[i.0].name;
-        format!("{} on {}", name(contact.a), name(contact.b))
+        let words = |c: Contact| {
+            let verb = if c.kind.is_unilateral() {
+                "on"
+            } else {
+                "holds"
+            };
+            format!("{} {verb} {}", name(c.a), name(c.b))
+        };
+        state.iter().map(words).collect()
     }
 
     fn verdict(&mut self, set: &ContactState) -> Option<(ContactState, String)> {
@@ -121,21 +153,35 @@ impl<'a> Checks<'a> {
         Some((core.contacts.clone(), core.reason.clone()))
     }
 
-    /// True if keyframes satisfy a beginning of a sequence, the goal aside.
-    pub fn prefix_possible(&mut self, phases: &[Phase]) -> bool {
-        let states: Vec<ContactState> = phases.iter().map(|p| p.state.clone()).collect();
-        if let Some(&known) = self.prefixes.get(&states) {
-            return known;
+    /// Are there keyframes of a beginning of a sequence, the goal aside? If not, why.
+    pub fn beginning(&mut self, phases: &[Phase]) -> Answer {
+        let states: States = phases.iter().map(|p| self.names(&p.state)).collect();
+        if let Some(known) = self.journal.prefix(&states) {
+            return known.clone();
         }
-        let keyframes = self.planner.keyframes_of_prefix(phases, self.settings);
-        self.prefixes.insert(states, keyframes.possible);
-        keyframes.possible
+        let clock = Instant::now();
+        let keyframes = self
+            .planner
+            .keyframes_of_prefix_quickly(phases, self.settings);
+        let answer = self.answer(states, &keyframes, clock);
+        self.journal.note_prefix(answer.clone());
+        answer
+    }
+
+    /// True if the step from one state to the next may take a beginning out of reach: something else than a foot on an
+    /// unbounded surface is landed. A foot finds a place on the ground wherever it is.
+    fn is_telling(&self, from: &ContactState, to: &ContactState) -> bool {
+        let interface = |i: symbolic::InterfaceId| &self.scene.interfaces[i.0];
+        let made = to.iter().filter(|c| !from.contains(c));
+        let on_ground =
+            |c: &Contact| interface(c.a).role == Role::Foot && interface(c.b).half_size.is_none();
+        made.into_iter().any(|c| !on_ground(&c))
     }
 
     /// Contacts that were found to exclude one another, in the order in which they were found.
     pub fn impossible(&self) -> Vec<Impossible> {
         let one = |core: &Core| Impossible {
-            contacts: core.contacts.iter().map(|c| self.name(c)).collect(),
+            contacts: self.names(&core.contacts),
             reason: core.reason.clone(),
             refused: core.refused,
         };
@@ -159,8 +205,29 @@ impl Oracle for Checks<'_> {
         }
     }
 
+    fn prefix(&mut self, states: &[&ContactState]) -> Verdict {
+        let [.., from, to] = states else {
+            return Verdict::Accept;
+        };
+        if !self.is_telling(from, to) {
+            return Verdict::Accept;
+        }
+        let phases: Vec<Phase> = states
+            .iter()
+            .map(|&state| Phase {
+                state: state.clone(),
+                steps: self.steps,
+            })
+            .collect();
+        let answer = self.beginning(&phases);
+        if answer.possible {
+            return Verdict::Accept;
+        }
+        Verdict::Reject(answer.reason.unwrap_or_default())
+    }
+
     fn stop(&mut self) -> bool {
-        self.begin.elapsed().as_secs_f64() > self.time_limit
+        self.stop.is_set() || self.begin.elapsed().as_secs_f64() > self.time_limit
     }
 }
 
@@ -189,7 +256,11 @@ mod tests {
         let scene = Scene::load(path).expect("a scene of the repository");
         let planner = Planner::new(&scene).expect("a model");
         let settings = Settings::new(Preset::Default, &scene.optimiser);
-        let mut checks = Checks::new(&planner, &settings, Instant::now(), f64::INFINITY);
+        let mut checks = Checks::new(
+            (&planner, &settings, 8),
+            (Instant::now(), f64::INFINITY, Stop::default()),
+            Journal::default(),
+        );
         let ground = [("left_foot", "ground_top"), ("right_foot", "ground_top")];
         assert_eq!(checks.state(&state(&scene, &ground)), Verdict::Accept);
         let astride = state(&scene, &[ground[0], ("right_foot", "wall_top")]);
@@ -215,7 +286,11 @@ mod tests {
         let scene = Scene::builtin("lift-box").expect("a built-in scene");
         let planner = Planner::new(&scene).expect("a model");
         let settings = Settings::new(Preset::Default, &scene.optimiser);
-        let mut checks = Checks::new(&planner, &settings, Instant::now(), f64::INFINITY);
+        let mut checks = Checks::new(
+            (&planner, &settings, 8),
+            (Instant::now(), f64::INFINITY, Stop::default()),
+            Journal::default(),
+        );
         let crossed = [
             ("left_foot", "ground_top"),
             ("right_foot", "ground_top"),

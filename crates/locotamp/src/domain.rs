@@ -3,11 +3,16 @@
 use crate::api::Error;
 use nalgebra::Vector3;
 use scene::{Objective, Owner, Role, Scene};
+use std::collections::BTreeMap;
+use symbolic::pddl::{DomainFile, Problem};
+use symbolic::search::{EndCost, ExtraCost, Step};
 use symbolic::{
-    ContactState, ContactType, Domain, Goal, GoalPair, GraphOptions, InterfaceId, SearchLimits,
-    SkeletonGraph,
+    ContactState, ContactType, Costs, Domain, Goal, GraphOptions, InterfaceId, Manipulation,
+    SearchLimits, SkeletonGraph, SymbolicError,
 };
 
+/// Are the goal's objects let go at the end.
+const RELEASE_AT_END: bool = true;
 /// Cosine of the angle from which on two normals count as opposite.
 const OPPOSITE: f64 = -0.98;
 /// Share of the distance between two patches by which they may be offset sideways and still form a squeeze.
@@ -66,44 +71,132 @@ fn squeezes(scene: &Scene) -> Vec<(InterfaceId, InterfaceId)> {
     out
 }
 
+/// The contact pairs of the scene's goal.
+fn goal(scene: &Scene) -> Goal {
+    Goal::of_pairs(scene.goal_contacts.iter().map(|g| (g.a, g.b)))
+}
+
+/// The PDDL domain of a scene, the built-in one if it names none, and the problem that the scene poses in it.
+///
+/// # Errors
+/// If interfaces and objects do not make a domain, or the PDDL domain does not fit them.
+pub fn pddl(scene: &Scene) -> Result<(DomainFile, Problem), Error> {
+    let file = scene
+        .search
+        .domain
+        .clone()
+        .unwrap_or_else(DomainFile::builtin);
+    let (domain, goal) = (domain(scene)?, goal(scene));
+    let start = scene.start_state();
+    let problem = Problem::of_scene(&file, &domain, &start, &goal, RELEASE_AT_END);
+    let problem = problem.map_err(SymbolicError::from)?;
+    Ok((file, problem.named(&scene.name)))
+}
+
 /// The skeleton-constrained graph of a scene, and the bounds of its search.
 ///
 /// # Errors
 /// If start, goal and domain do not fit together.
 pub fn graph(scene: &Scene) -> Result<(SkeletonGraph, SearchLimits), Error> {
-    let start: ContactState = scene.start_contacts.iter().copied().collect();
-    let goal = Goal {
-        pairs: scene
-            .goal_contacts
-            .iter()
-            .map(|g| GoalPair {
-                a: g.a,
-                b: g.b,
-                kind: None,
-            })
-            .collect(),
-    };
+    let start = scene.start_state();
+    let goal = goal(scene);
     let options = GraphOptions {
         max_changes: scene.search.max_changes,
         support_hands: scene.search.support_hands,
         max_actions: scene.search.max_skeleton,
-        release_at_end: true,
+        release_at_end: RELEASE_AT_END,
     };
     let limits = SearchLimits {
         max_phases: scene.search.max_phases,
         ending: ending(scene),
         ..SearchLimits::default()
     };
-    Ok((
-        SkeletonGraph::new(domain(scene)?, start, goal, options)?,
-        limits,
-    ))
+    let domain = domain(scene)?;
+    let graph = match &scene.search.domain {
+        None => SkeletonGraph::new(domain, start, goal, options)?,
+        Some(file) => {
+            let actions = Manipulation::of(file, &domain, &start, &goal, options.release_at_end)?;
+            SkeletonGraph::with_manipulation(domain, start, goal, options, actions)?
+        }
+    };
+    Ok((graph, limits))
+}
+
+/// Extra cost of landing a foot on the lowest surface rather than on the highest, and of ending there [phases]; only where
+/// the base is to get high.
+const LOW: f64 = 3.0;
+
+/// Costs by which sequences are ordered. Where the base is to get high, new surfaces and manipulation are what may help.
+pub(crate) fn costs(scene: &Scene) -> Costs {
+    if scene.objective != Objective::BaseHeight {
+        return Costs::default();
+    }
+    Costs {
+        new_surface: 0.0,
+        detour: 0.0,
+        turn: 0.0,
+        ..Costs::default()
+    }
+}
+
+/// Costs beside these: where the base is to get high, feet prefer what is high, and sequences end there.
+pub(crate) fn own_costs(scene: &Scene) -> (Option<ExtraCost>, Option<EndCost>) {
+    if scene.objective != Objective::BaseHeight {
+        return (None, None);
+    }
+    let low = lowness(scene);
+    let low_again = low.clone();
+    let landing = move |step: &Step<'_>| {
+        let feet = step.action.makes.iter();
+        feet.map(|c| low.get(&(c.a, c.b)).copied().unwrap_or(0.0))
+            .sum::<f64>()
+    };
+    let end = move |_: &SkeletonGraph, state: &ContactState| {
+        let feet = state.iter();
+        feet.map(|c| low_again.get(&(c.a, c.b)).copied().unwrap_or(0.0))
+            .sum::<f64>()
+    };
+    (Some(Box::new(landing)), Some(Box::new(end)))
+}
+
+/// For every foot and upward surface how much lower it is, at the start, than the highest: 0 to [`LOW`].
+fn lowness(scene: &Scene) -> BTreeMap<(InterfaceId, InterfaceId), f64> {
+    let world_from = |i: &scene::Interface| match i.owner {
+        Owner::Robot { .. } => None,
+        Owner::Object(o) => Some(scene.objects[o].world_from_start * i.body_from_interface),
+        Owner::Static(_) => Some(i.body_from_interface),
+    };
+    let poses: Vec<_> = scene.interfaces.iter().map(world_from).collect();
+    let height = |n: usize| {
+        let pose = poses[n].as_ref()?;
+        let up = pose.rotate(Vector3::z()).z > OPPOSITE.abs();
+        let carries = scene.interfaces[n]
+            .contact_types
+            .contains(&ContactType::UnilateralPatch);
+        (up && carries).then(|| pose.origin().z)
+    };
+    let heights: Vec<Option<f64>> = (0..poses.len()).map(height).collect();
+    let known = || heights.iter().flatten().copied();
+    let (most, least) = (
+        known().fold(f64::MIN, f64::max),
+        known().fold(f64::MAX, f64::min),
+    );
+    let feet = (0..scene.interfaces.len()).filter(|&n| scene.interfaces[n].role == Role::Foot);
+    let mut low = BTreeMap::new();
+    for foot in feet {
+        for (surface, height) in heights.iter().enumerate() {
+            if let Some(height) = height.filter(|_| most > least) {
+                let share = (most - height) / (most - least);
+                low.insert((InterfaceId(foot), InterfaceId(surface)), LOW * share);
+            }
+        }
+    }
+    low
 }
 
 /// Sequences end in the first goal state; without goal contacts but with regions or an objective, anywhere.
 fn ending(scene: &Scene) -> Option<symbolic::Ending> {
     let open = scene.goal_contacts.is_empty();
-    let anywhere =
-        open && (!scene.goal_regions.is_empty() || scene.objective == Objective::BaseHeight);
+    let anywhere = open && (!scene.goal_regions.is_empty() || scene.objective != Objective::Time);
     anywhere.then_some(symbolic::Ending::Every)
 }

@@ -6,7 +6,7 @@ use ocp::{Motion, Preset};
 use plan::{
     Contact, ContactType, Dynamics, Extra, Geometry, GoalContact, GoalRegion, Integrator,
     Interface, InterfaceKind, Object, ObjectStates, Objective, Phase, Plan, Robot, StaticBody,
-    Status,
+    Status, TorqueSpeed,
 };
 use scene::{Owner, PlacedShape, Scene, Shape};
 use spatial::Pose;
@@ -102,6 +102,7 @@ pub fn plan(scene: &Scene, labels: &[String], motion: &mut Motion) -> Plan {
                     })
                     .collect(),
             ),
+            torque_speed: torque_speed(program),
             extra: Extra::new(),
         },
         objects: scene.objects.iter().map(object).collect(),
@@ -135,6 +136,8 @@ pub fn plan(scene: &Scene, labels: &[String], motion: &mut Motion) -> Plan {
                 body: goal_body(scene, &r.body),
                 lower: std::array::from_fn(|i| r.lower[i].is_finite().then_some(r.lower[i])),
                 upper: std::array::from_fn(|i| r.upper[i].is_finite().then_some(r.upper[i])),
+                yaw: r.yaw,
+                tilt: r.tilt,
                 extra: Extra::new(),
             })
             .collect(),
@@ -149,6 +152,18 @@ pub fn plan(scene: &Scene, labels: &[String], motion: &mut Motion) -> Plan {
         explanation: None,
         extra: Extra::new(),
     }
+}
+
+/// What is enforced of torque at speed, by joint.
+fn torque_speed(program: &ocp::Program) -> BTreeMap<String, TorqueSpeed> {
+    let enforced = program.settings.torque_speed();
+    let joints = program.system.actuated().filter(|_| enforced);
+    let declared = joints.filter_map(|joint| {
+        let multibody::TorqueSpeed { corner, no_load } = joint.torque_speed?;
+        let max = no_load;
+        Some((joint.name.clone(), TorqueSpeed { corner, max }))
+    });
+    declared.collect()
 }
 
 /// The body of a goal region as the plan knows it: the base is the robot's root link.

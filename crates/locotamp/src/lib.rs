@@ -9,14 +9,17 @@ mod checks;
 mod domain;
 mod explain;
 mod export;
+mod journal;
 mod quality;
 mod refine;
 mod search;
 mod solve;
 mod summary;
 
-pub use api::{Attempt, Error, Event, Found, Impossible, Outcome, Reached, Request};
-pub use domain::{domain, graph};
+pub use api::{
+    Alternative, Attempt, Error, Event, Found, Impossible, Outcome, Reached, Request, Search, Stop,
+};
+pub use domain::{domain, graph, pddl};
 pub use ocp::{Integrator, Preset, Refinement};
 pub use plan::Explanation;
 pub use quality::{Margin, Peak, Quality, Residuals, Swing};

@@ -113,6 +113,8 @@ struct Series {
     v: Vec<Vec<f64>>,
     a: Vec<Vec<f64>>,
     tau: Vec<Vec<f64>>,
+    /// Per actuated joint, the share of the torque available at its speed.
+    at_speed: Vec<Vec<f64>>,
 }
 
 impl Series {
@@ -124,6 +126,7 @@ impl Series {
             v: vec![],
             a: vec![],
             tau: vec![],
+            at_speed: vec![],
         };
         for t in 0..n {
             let (v, a) = motion
@@ -132,6 +135,8 @@ impl Series {
             series.v.push(v);
             series.a.push(a);
             series.tau.push(motion.trajectory.torques(&motion.point, t));
+            let used = motion.trajectory.torque_shares(&motion.point, t, true);
+            series.at_speed.push(used);
             let dt = motion.trajectory.dt(&motion.point, t);
             series.dt.push(dt);
             series.time.push(series.time[t] + dt);
@@ -303,6 +308,12 @@ fn margins(scene: &Scene, motion: &Motion, series: &Series) -> Vec<Margin> {
             .flat_map(|q| joints().map(|j| (q[j.idx_q] - j.lower).min(j.upper - q[j.idx_q]))),
     )
     .filter(|room| room.is_finite());
+    let declared = |row: &[f64]| {
+        let joints = joints().zip(row).filter(|(j, _)| j.torque_speed.is_some());
+        largest(joints.map(|(_, share)| *share))
+    };
+    let at_speed = largest(series.at_speed.iter().filter_map(|row| declared(row)))
+        .filter(|_| program.settings.torque_speed());
     let (friction, pressure) = contact_shares(scene, motion);
     let share = |name, demanded, reached| Margin {
         name,
@@ -325,6 +336,7 @@ fn margins(scene: &Scene, motion: &Motion, series: &Series) -> Vec<Margin> {
             wanted.torque,
             per_joint(&series.tau, &|j| j.torque_limit),
         ),
+        share("torque_speed", wanted.torque, at_speed),
         share(
             "velocity",
             wanted.velocity,

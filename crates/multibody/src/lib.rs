@@ -33,7 +33,7 @@ pub use centroidal_derivatives::CentroidalDerivatives;
 pub use crba::Crba;
 pub use error::ModelError;
 pub use kinematics::Kinematics;
-pub use model::{Frame, Joint, JointKind, Model, PlacedShape, Root, Shape};
+pub use model::{Frame, Joint, JointKind, Model, PlacedShape, Root, Shape, TorqueSpeed};
 pub use rnea::Rnea;
 pub use rnea_derivatives::RneaDerivatives;
 pub use rnea_hessian::RneaHessian;

@@ -94,6 +94,26 @@ pub struct Joint {
     pub velocity_limit: f64,
     /// Largest torque or force [N·m or N]; +∞ if not given.
     pub torque_limit: f64,
+    /// How that falls with speed; `None` if it does not.
+    pub torque_speed: Option<TorqueSpeed>,
+}
+
+/// What a motor that drives can give at speed: its largest torque up to a corner speed, from there linearly down to nothing.
+/// A motor that brakes (torque against speed) gives its largest torque at every speed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TorqueSpeed {
+    /// Speed up to which the largest torque is available [rad/s or m/s], above 0.
+    pub corner: f64,
+    /// Speed at which none is left [rad/s or m/s], above `corner`.
+    pub no_load: f64,
+}
+
+impl TorqueSpeed {
+    /// Share of the largest torque that is available at a speed, which is positive where the torque drives; negative beyond
+    /// the speed at which none is left.
+    pub fn available(&self, speed: f64) -> f64 {
+        ((self.no_load - speed) / (self.no_load - self.corner)).min(1.0)
+    }
 }
 
 /// Geometry of a link, centred at its own frame.

@@ -113,5 +113,6 @@ fn random_joint(
         upper,
         velocity_limit,
         torque_limit,
+        torque_speed: None,
     }
 }

@@ -252,6 +252,7 @@ fn floating_joint() -> Joint {
         upper: f64::INFINITY,
         velocity_limit: f64::INFINITY,
         torque_limit: f64::INFINITY,
+        torque_speed: None,
     }
 }
 

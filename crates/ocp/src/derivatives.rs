@@ -6,6 +6,7 @@ use crate::point::Point;
 use crate::problem::{Trajectory, element_nodes, physical_wrench, posture_cost, velocity_scale};
 use crate::slip::Place;
 use crate::states::{self, At};
+use crate::torque_speed::Velocities;
 use nalgebra::{Matrix6, Vector6};
 use solver::ElementData;
 
@@ -149,6 +150,8 @@ impl Trajectory {
             if program.momentum {
                 s.weights[..6].fill(0.0);
             }
+            let rows = &interval.torque_speed;
+            rows.add_weights(y, &program.dynamics_scale, &mut s.weights);
             let Motion { v, a, .. } = &s.chain.motion;
             let model = &program.system.model;
             let kinematics = &self.nodes[t].kinematics;
@@ -209,6 +212,12 @@ impl Trajectory {
                 let at = Context::new(program, t, kinematics, [here, next], relatives, wrenches);
                 s.momentum.derivatives(&at, y, &mut s.chain, out);
             }
+            let at = match &states {
+                Some(layout) => Velocities::Unknown(layout.v, layout.v_next),
+                None => Velocities::Differences(&layout),
+            };
+            rows.jacobian(&at, &s.chain.motion, nv, &mut out.jacobians);
+            rows.add_gradient(y, &mut s.chain.by_v_gradient);
             for slip in &interval.slips {
                 let frame = &program.frames[program.nodes[t].frames[slip.slot]];
                 let at = Place {

@@ -26,6 +26,8 @@ const STATE_GUESSES: [(f64, f64, f64); 8] = [
 ];
 /// First guess of a phase's duration [s].
 const DURATION: f64 = 0.7;
+/// The same of a phase without contacts of the robot.
+const FLIGHT: f64 = 0.35;
 
 /// One configuration per phase boundary: the start posture, objects on their supports or between them, the base moved
 /// along with what the robot handles once a foot may move.
@@ -212,8 +214,9 @@ pub fn interpolate(
     out
 }
 
-/// A point of a program from node configurations: wrenches carry weights, durations are alike.
-pub fn point(program: &Program, scene: &Scene, nodes: Vec<Vec<f64>>) -> Point {
+/// A point of a program from node configurations: wrenches carry weights, durations are alike but for flights, in which the
+/// base rises and falls.
+pub fn point(program: &Program, scene: &Scene, mut nodes: Vec<Vec<f64>>) -> Point {
     let wrenches = program
         .intervals
         .iter()
@@ -226,16 +229,16 @@ pub fn point(program: &Program, scene: &Scene, nodes: Vec<Vec<f64>>) -> Point {
             wrench
         })
         .collect();
-    let duration = DURATION.clamp(
-        program.settings.min_duration.max(0.0),
-        program
-            .settings
-            .max_duration
-            .max(program.settings.min_duration),
-    );
-    let _ = scene;
+    let shortest = program.settings.min_duration.max(0.0);
+    let longest = program.settings.max_duration.max(shortest);
     let durations = match program.grid {
-        crate::Grid::Motion => vec![duration; program.steps.len()],
+        crate::Grid::Motion => {
+            let flights = flights(program, scene);
+            let durations = flights.iter().map(|&f| if f { FLIGHT } else { DURATION });
+            let durations: Vec<f64> = durations.map(|d| d.clamp(shortest, longest)).collect();
+            rise_in_flight(program, scene, &flights, &durations, &mut nodes);
+            durations
+        }
         _ => vec![1.0; program.steps.len()],
     };
     let velocities = if program.has_velocities() {
@@ -248,6 +251,40 @@ pub fn point(program: &Program, scene: &Scene, nodes: Vec<Vec<f64>>) -> Point {
         wrenches,
         velocities,
         durations,
+    }
+}
+
+/// Which phases have no contact of the robot with anything.
+fn flights(program: &Program, scene: &Scene) -> Vec<bool> {
+    let mut flights = vec![true; program.steps.len()];
+    let robot =
+        |i: symbolic::InterfaceId| matches!(scene.interfaces[i.0].owner, Owner::Robot { .. });
+    for interval in &program.intervals {
+        let forces = interval.forces.iter();
+        let held = forces.map(|f| f.contact).any(|c| robot(c.a) || robot(c.b));
+        flights[interval.phase] &= !held;
+    }
+    flights
+}
+
+/// Lets the base fly along a parabola, above where it would be otherwise: ½ g s (T − s) at time s of a flight of duration T.
+fn rise_in_flight(
+    program: &Program,
+    scene: &Scene,
+    flights: &[bool],
+    durations: &[f64],
+    nodes: &mut [Vec<f64>],
+) {
+    let mut first = 0;
+    for ((&steps, &flight), duration) in program.steps.iter().zip(flights).zip(durations) {
+        for i in (1..steps).filter(|_| flight) {
+            let s = duration * i as f64 / steps as f64;
+            let up = scene.gravity * (-0.5 * s * (duration - s));
+            for k in 0..3 {
+                nodes[first + i][k] += up[k];
+            }
+        }
+        first += steps;
     }
 }
 

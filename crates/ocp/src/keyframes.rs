@@ -30,6 +30,9 @@ const GUESS_NEAR: f64 = 0.1;
 /// Iterations after which the violation must have fallen by this share.
 const PATIENCE: usize = 12;
 const PROGRESS: f64 = 0.1;
+/// Violation (m, rad) from which no other guess is tried: out of reach, not caught in a local minimum
+/// (benches/runs/2026-11-21-tree-search.md).
+const HOPELESS: f64 = 0.1;
 /// Phases that are solved together for a guess.
 const WINDOW: usize = 3;
 /// Largest violation of a keyframe set that still counts as possible, in the rows' own units (m, rad).
@@ -96,6 +99,13 @@ impl Planner<'_> {
     pub fn keyframes_of_prefix(&self, phases: &[Phase], settings: &Settings) -> Keyframes {
         Ask::new(self, phases, settings, Grid::OpenKeyframes).answer()
     }
+
+    /// The same without the last, slow attempts: for beginnings that a search comes across by the hundred.
+    pub fn keyframes_of_prefix_quickly(&self, phases: &[Phase], settings: &Settings) -> Keyframes {
+        Ask::new(self, phases, settings, Grid::OpenKeyframes)
+            .attempts()
+            .0
+    }
 }
 
 /// One question about configurations.
@@ -125,19 +135,11 @@ impl<'a> Ask<'a> {
         }
     }
 
-    /// Solves from a guess from the sequence alone, then from one that was solved boundary by boundary, at last from both with
+    /// Solves from a guess from the sequence alone, then, unless that ended hopelessly far from satisfying the contacts, from one that was solved boundary by boundary, at last from both with
     /// short steps, no pull to the home posture at the end and, if clearances resist, with those of all that is near the guess from
     /// the beginning: once a link is inside something, its row may lead out on the wrong side.
     fn answer(&self) -> Keyframes {
-        let guess = guess::keyframes(self.planner.scene, &self.planner.system, self.phases);
-        let (first, first_rows) = self.solve(guess.clone(), Watched::new());
-        if first.possible {
-            return first;
-        }
-        let (forward, watched) = self.forward(guess.clone());
-        let (second, second_rows) = self.solve(forward.clone(), watched);
-        let mut best = less_violated(first, second);
-        let resist = !first_rows.is_empty() || !second_rows.is_empty();
+        let (mut best, rows, guesses) = self.attempts();
         let mut settings = self.settings.clone();
         settings.weights.final_posture = settings.weights.posture;
         let careful = Ask {
@@ -145,11 +147,11 @@ impl<'a> Ask<'a> {
             settings: &settings,
             ..*self
         };
-        for nodes in [guess, forward] {
+        for nodes in guesses {
             if best.possible {
                 break;
             }
-            let near = if resist {
+            let near = if rows {
                 self.near(&nodes)
             } else {
                 Watched::new()
@@ -157,6 +159,19 @@ impl<'a> Ask<'a> {
             best = less_violated(best, careful.solve(nodes, near).0);
         }
         best
+    }
+
+    /// The first two attempts: the less violated result, whether clearances resist, and guesses for further attempts.
+    fn attempts(&self) -> (Keyframes, bool, Vec<Vec<Vec<f64>>>) {
+        let guess = guess::keyframes(self.planner.scene, &self.planner.system, self.phases);
+        let (first, first_rows) = self.solve(guess.clone(), Watched::new());
+        if first.possible || first.report.violation > HOPELESS {
+            return (first, false, vec![]);
+        }
+        let (forward, watched) = self.forward(guess.clone());
+        let (second, second_rows) = self.solve(forward.clone(), watched);
+        let resist = !first_rows.is_empty() || !second_rows.is_empty();
+        (less_violated(first, second), resist, vec![guess, forward])
     }
 
     /// Rows of all that is near at these configurations.

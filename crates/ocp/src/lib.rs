@@ -27,6 +27,7 @@ mod slip;
 mod states;
 mod system;
 pub mod terms;
+mod torque_speed;
 
 pub use between::Between;
 pub use keyframes::Keyframes;

@@ -9,7 +9,7 @@ use crate::relative_motion::Relative;
 use crate::settings::{Preset, Settings};
 use crate::system::System;
 use scene::Scene;
-use solver::{InteriorPoint, Iteration, Options, Problem, Report, Status, Timing};
+use solver::{ElementData, InteriorPoint, Iteration, Options, Problem, Report, Status, Timing};
 
 /// Rounds of solving with more collision pairs or more clearance.
 const REPAIRS: usize = 4;
@@ -22,6 +22,10 @@ const REPAIR_BARRIER: f64 = 1e-3;
 const REPAIR_PUSH: f64 = 1e-4;
 /// Largest violation of a solution (scaled rows).
 const SOLVED: f64 = 1e-6;
+/// Complementarity products and dual residual at the solution of a barrier problem: the products come to about the barrier
+/// parameter, and the last Newton steps, which make the rows hold, leave far smaller residuals.
+const COMPLEMENTARITY: f64 = 10.0;
+const BARRIER_DUAL_TOLERANCE: f64 = 0.1;
 /// Tolerances where velocities are unknowns: on a fine grid positions are so stiff that refinement of the linear solves
 /// gains its last digits slowly.
 const STATE_TOLERANCE: f64 = 1e-6;
@@ -173,6 +177,45 @@ impl<'a> Planner<'a> {
         self.optimise(phases, program, point, First::near_solution(), observe)
     }
 
+    /// A motion that is known: values at its point, no multipliers. Whether it is feasible is judged with the clearances that
+    /// its nodes come near.
+    pub fn restore(&self, phases: &[Phase], settings: &Settings, point: Point) -> Motion {
+        let none = ExtraClearance::new();
+        let program = self.program(phases, settings, Grid::Motion, near(&point.nodes, &none));
+        let mut trajectory = Trajectory::new(program);
+        let structure = trajectory.structure().clone();
+        let mut data: Vec<_> = structure.elements.iter().map(ElementData::new).collect();
+        trajectory.evaluate(&point, &mut data);
+        let rows: Vec<f64> = data.iter().flat_map(|d| d.values.iter().copied()).collect();
+        let bounds = structure.elements.iter();
+        let bounds = bounds.flat_map(|e| e.row_lower.iter().zip(&e.row_upper));
+        let over = |(c, (l, u)): (&f64, (&f64, &f64))| (l - c).max(c - u).max(0.0);
+        let violation = rows.iter().zip(bounds).map(over).fold(0.0, f64::max);
+        let report = Report {
+            status: Status::Solved,
+            iterations: 0,
+            objective: data.iter().map(|d| d.objective).sum(),
+            violation,
+            dual: 0.0,
+            multipliers: vec![0.0; rows.len()],
+            bound_multipliers: vec![0.0; structure.n_vars],
+            rows,
+            factorisations: 0,
+            timing: Timing::default(),
+        };
+        Motion {
+            worst: worst_row(&trajectory.program, &report, NEW_TOLERANCE),
+            hardest: None,
+            feasible: violation <= NEW_TOLERANCE,
+            trajectory,
+            point,
+            report,
+            iterations: 0,
+            seconds: 0.0,
+            timing: Timing::default(),
+        }
+    }
+
     /// Solves a program, again with more collision pairs or clearance where the motion collides.
     pub(crate) fn optimise(
         &self,
@@ -190,6 +233,12 @@ impl<'a> Planner<'a> {
             let structure = trajectory.structure().clone();
             let mut options = first.options.clone();
             options.max_iterations = settings.max_iterations.min(first.max_iterations);
+            if settings.barrier > options.min_barrier {
+                options.min_barrier = settings.barrier;
+                options.complementarity_tolerance = COMPLEMENTARITY * settings.barrier;
+                options.dual_tolerance = BARRIER_DUAL_TOLERANCE;
+                options.feasibility_tolerance = SOLVED;
+            }
             if trajectory.program.has_velocities() {
                 options.feasibility_tolerance = STATE_TOLERANCE;
                 options.dual_tolerance = STATE_DUAL_TOLERANCE;
@@ -291,7 +340,7 @@ pub(crate) fn violates_new_rows(program: &Program, point: &Point) -> bool {
         .structure
         .elements
         .iter()
-        .map(solver::ElementData::new)
+        .map(ElementData::new)
         .collect();
     trajectory.evaluate(point, &mut data);
     data.iter().zip(&program.structure.elements).any(|(d, e)| {

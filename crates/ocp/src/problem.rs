@@ -242,6 +242,8 @@ impl Trajectory {
                 let Motion { v, v_next, dt, .. } = &s.chain.motion;
                 s.momentum.values(&at, v, v_next, *dt, &mut out.values);
             }
+            let scale = &program.dynamics_scale;
+            (interval.torque_speed).values(&s.tau, scale, &s.chain.motion, &mut out.values);
             objective += program.settings.weights.time * s.chain.motion.dt;
         }
         let share = program.share[interval.phase];

@@ -64,7 +64,7 @@ pub struct Weights {
     pub time: f64,
     /// Collision penalties of the paper preset.
     pub penalty: f64,
-    /// Height of the base at the end, for the objective "base height" [1/m].
+    /// Distance along the direction of the objective at the end: height of the base, reach of a body [1/m].
     pub height: f64,
 }
 
@@ -165,7 +165,7 @@ pub struct Settings {
     pub min_duration: f64,
     /// Longest phase [s].
     pub max_duration: f64,
-    /// Are the torque limits enforced.
+    /// Are the torque limits enforced, and with them what the robot declares of torque at speed.
     pub torque_limits: bool,
     /// Weights of the costs.
     pub weights: Weights,
@@ -173,7 +173,14 @@ pub struct Settings {
     pub margins: Margins,
     /// Iteration limit of one solve.
     pub max_iterations: usize,
+    /// Smallest barrier parameter; zero: as small as the solver's own. A motion that solves a barrier problem satisfies every row
+    /// and costs a few per cent more than the optimum, for a third of the iterations
+    /// (benches/runs/2026-11-21-barrier.md); refinement finds its own optimum.
+    pub barrier: f64,
 }
+
+/// Barrier parameter of the preset `default`.
+const BARRIER: f64 = 3e-4;
 
 impl Settings {
     /// The given preset with the options of a scene.
@@ -192,6 +199,17 @@ impl Settings {
                 Margins::none()
             },
             max_iterations: options.max_iterations,
+            barrier: if preset == Preset::Default {
+                BARRIER
+            } else {
+                0.0
+            },
         }
+    }
+
+    /// Does the torque that is available fall with speed, where the robot says so: wherever torque limits are enforced, but
+    /// not in the paper's problem, which has none of it.
+    pub fn torque_speed(&self) -> bool {
+        self.torque_limits && self.preset == Preset::Default
     }
 }

@@ -51,6 +51,7 @@ impl System {
                 upper: f64::INFINITY,
                 velocity_limit: f64::INFINITY,
                 torque_limit: f64::INFINITY,
+                torque_speed: None,
             });
         }
         let mut model = Model::new(&scene.name, joints, robot.frames.clone())?;

@@ -25,7 +25,7 @@ pub use explanation::{Explanation, FailedStage, Obstacle, Pull, Remedy};
 pub use types::{
     Contact, ContactType, Dynamics, Extra, Geometry, GoalContact, GoalRegion, Integrator,
     Interface, InterfaceKind, Object, ObjectStates, Objective, Phase, Plan, Pose7, Robot, Row6,
-    StaticBody, Status,
+    StaticBody, Status, TorqueSpeed,
 };
 
 /// The `format` string of the files that this crate reads and writes.

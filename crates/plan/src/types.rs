@@ -153,9 +153,22 @@ pub struct Robot {
     /// Torque limits as enforced [N m], one per joint; `null`: not enforced for that joint.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub torque_limits: Option<Vec<Option<f64>>>,
+    /// How torque falls with speed, as enforced, by joint; joints not named have their whole torque at every speed.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub torque_speed: BTreeMap<String, TorqueSpeed>,
     /// Unknown keys.
     #[serde(flatten)]
     pub extra: Extra,
+}
+
+/// Torque at speed: a joint that drives (torque and speed of the same sign) has its whole torque up to `corner` and from there
+/// linearly less, down to none at `max`; one that brakes has all of it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct TorqueSpeed {
+    /// Speed up to which the whole torque is available [rad/s or m/s].
+    pub corner: f64,
+    /// Speed at which none is left, above `corner` [rad/s or m/s].
+    pub max: f64,
 }
 
 /// A movable rigid body; its frame has its origin at the centre of mass.
@@ -275,7 +288,7 @@ pub struct GoalContact {
     pub extra: Extra,
 }
 
-/// A box of the world in which the origin of a body must be at the last node.
+/// A box of the world in which the origin of a body must be at the last node, and how the body must be turned there.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct GoalRegion {
     /// Object, robot link or interface.
@@ -284,6 +297,12 @@ pub struct GoalRegion {
     pub lower: [Option<f64>; 3],
     /// Greatest x, y, z [m]; `null`: unbounded.
     pub upper: [Option<f64>; 3],
+    /// Least and greatest heading of its x axis about the world's z [rad].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub yaw: Option<[f64; 2]>,
+    /// Greatest angle between its z axis and the world's [rad].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tilt: Option<f64>,
     /// Unknown keys.
     #[serde(flatten)]
     pub extra: Extra,

@@ -124,6 +124,9 @@ impl Faults {
     fn names(&mut self, plan: &Plan) {
         let mut joints = BTreeSet::new();
         self.unique("robot.joints", plan.robot.joints.iter(), &mut joints);
+        for joint in plan.robot.torque_speed.keys() {
+            self.known("robot.torque_speed".to_owned(), "joint", joint, &joints);
+        }
         let mut bodies = BTreeSet::new();
         self.unique("objects", plan.objects.iter().map(|x| &x.name), &mut bodies);
         let objects = bodies.clone();

@@ -43,6 +43,38 @@ fn wrong_row_counts_are_found() {
 }
 
 #[test]
+fn torque_at_speed_is_of_joints_that_exist_and_falls_beyond_the_corner() {
+    let with = |joint: &str, corner: f64, max: f64| {
+        let mut plan = sample();
+        let line = plan::TorqueSpeed { corner, max };
+        plan.robot.torque_speed.insert(joint.to_owned(), line);
+        plan.validate().map_err(|error| error.to_string())
+    };
+    let joint = sample().robot.joints[0].clone();
+    assert_eq!(with(&joint, 5.0, 9.0), Ok(()));
+    let cases = [
+        ("elbow", 5.0, 9.0, "no joint is called \"elbow\""),
+        (joint.as_str(), 5.0, f64::NAN, "not a finite number"),
+        (
+            joint.as_str(),
+            0.0,
+            9.0,
+            "corner: 0, expected a speed above zero",
+        ),
+        (
+            joint.as_str(),
+            5.0,
+            5.0,
+            "max: 5, expected a speed above the corner",
+        ),
+    ];
+    for (joint, corner, max, expected) in cases {
+        let message = with(joint, corner, max).unwrap_err();
+        assert!(message.contains(expected), "{message}");
+    }
+}
+
+#[test]
 fn a_plan_without_intervals_is_a_fault() {
     let mut plan = sample();
     plan.phases.clear();

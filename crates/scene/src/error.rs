@@ -69,6 +69,9 @@ pub enum Fault {
         lower: f64,
         upper: f64,
     },
+    /// A PDDL domain that is not understood.
+    #[error("{problem}")]
+    Pddl { problem: String, remedy: String },
     /// Neither goal nor objective.
     #[error("the scene asks for nothing: {found}")]
     EmptyGoal { found: &'static str },
@@ -121,7 +124,7 @@ impl Fault {
                  \"base_height\""
                     .into()
             }
-            Self::Impossible { remedy, .. } => remedy.clone(),
+            Self::Impossible { remedy, .. } | Self::Pddl { remedy, .. } => remedy.clone(),
             Self::Broken { .. } => {
                 "correct the start pose or the pose of the interface, or leave this contact out of start.contacts".into()
             }
@@ -153,7 +156,7 @@ fn suggestion(nearest: Option<&str>, known: &str) -> String {
 
 /// Why a scene cannot be used: what is wrong, where it stands.
 ///
-/// `Display` is one line, `file:line: what is wrong; what to do`. [`SceneError::render`] shows the source.
+/// `Display` is one line, `file:line: what is wrong; what to do` (`file:line:column` in a PDDL domain). [`SceneError::render`] shows the source.
 #[derive(Debug, Clone)]
 pub struct SceneError {
     fault: Box<Fault>,
@@ -224,7 +227,11 @@ impl SceneError {
 impl fmt::Display for SceneError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(place) = self.place() {
-            write!(f, "{}:{}: ", place.file(), place.line())?;
+            write!(f, "{}:{}", place.file(), place.line())?;
+            if let Fault::Pddl { .. } = *self.fault {
+                write!(f, ":{}", place.column())?;
+            }
+            write!(f, ": ")?;
         }
         write!(f, "{}", self.fault)?;
         match self.fault.help() {

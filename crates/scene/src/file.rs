@@ -330,9 +330,13 @@ pub(crate) struct GoalEntry {
 #[serde(transparent)]
 pub(crate) struct GoalContactEntry(#[schemars(length(min = 2, max = 2))] pub Vec<At<String>>);
 
-/// An axis-parallel box of the world that the origin of a body must reach; axes not given are free.
+/// An axis-parallel box of the world that the origin of a body must reach, and its orientation there; what is not given is
+/// free.
 #[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, expecting = "a table with body, x, y, z")]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table with body, x, y, z, yaw, tilt"
+)]
 pub(crate) struct RegionEntry {
     /// An object, a robot link, an interface of the robot or of an object, or "base".
     pub body: At<String>,
@@ -342,14 +346,23 @@ pub(crate) struct RegionEntry {
     pub y: Option<At<[f64; 2]>>,
     /// Smallest and largest z [m].
     pub z: Option<At<[f64; 2]>>,
+    /// Smallest and largest heading of the body's x axis about the world's z, from the world's x [rad].
+    pub yaw: Option<At<[f64; 2]>>,
+    /// Largest angle between the body's z axis and the world's [rad].
+    pub tilt: Option<At<f64>>,
 }
 
 /// What is sought beside the goal.
 #[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, expecting = "a table with kind")]
+#[serde(deny_unknown_fields, expecting = "a table with kind, body, direction")]
 pub(crate) struct ObjectiveEntry {
-    /// "time" (least time and effort, the default with a goal) or "base_height" (highest base at the end).
+    /// "time" (least time and effort, the default with a goal), "base_height" (highest base at the end) or "reach" (a body as
+    /// far as possible along a direction at the end).
     pub kind: At<ObjectiveKindEntry>,
+    /// With "reach": an object, a robot link, an interface of the robot or of an object, or "base".
+    pub body: Option<At<String>>,
+    /// With "reach": direction in the world, of any length.
+    pub direction: Option<At<[f64; 3]>>,
 }
 
 /// Kinds of objectives.
@@ -360,6 +373,8 @@ pub(crate) enum ObjectiveKindEntry {
     Time,
     /// Highest base at the end.
     BaseHeight,
+    /// Farthest body along a direction at the end.
+    Reach,
 }
 
 /// Options of the search for a contact sequence.
@@ -374,6 +389,11 @@ pub(crate) struct SearchEntry {
     pub max_changes: Option<At<usize>>,
     /// May free hands make supporting contacts; default false.
     pub support_hands: Option<bool>,
+    /// Intervals per phase during the search, before refinement; default 8.
+    pub steps: Option<At<usize>>,
+    /// Path of a PDDL domain (.pddl) whose actions move the objects, relative to the scene file; default: the built-in
+    /// one (grasp, lift, place, release).
+    pub domain: Option<At<String>>,
 }
 
 /// Options of the trajectory optimisation.

@@ -1,11 +1,20 @@
 //! What must hold at the end.
 
 use crate::draft::Draft;
-use crate::file::{GoalContactEntry, GoalEntry, ObjectiveKindEntry, RegionEntry, SceneFile};
+use crate::file::{
+    GoalContactEntry, GoalEntry, ObjectiveEntry, ObjectiveKindEntry, RegionEntry, SceneFile,
+};
 use crate::robot::unknown_name;
 use crate::source::At;
 use crate::{Fault, GoalContact, Objective, RegionGoal, SceneError};
 use nalgebra::Vector3;
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// A shorter direction is taken for zero.
+const SHORTEST_DIRECTION: f64 = 1e-9;
+
+/// Smallest limit of a tilt [rad]: a limit of zero has no gradient.
+const LEAST_TILT: f64 = 0.01;
 
 /// Name of the robot's floating base in goal regions.
 pub(crate) const BASE_NAME: &str = "base";
@@ -20,9 +29,9 @@ pub(crate) struct Goal {
 /// Reads `[goal]` and `[objective]`; at least one of them must ask for something.
 pub(crate) fn goal(draft: &Draft, file: &SceneFile) -> Result<Goal, SceneError> {
     let entry = file.goal.as_deref();
-    let objective = match file.objective.as_ref().map(|o| *o.kind) {
-        Some(ObjectiveKindEntry::BaseHeight) => Objective::BaseHeight,
-        Some(ObjectiveKindEntry::Time) | None => Objective::Time,
+    let objective = match &file.objective {
+        Some(entry) => objective(draft, entry)?,
+        None => Objective::Time,
     };
     let (contacts, regions) = match entry {
         Some(entry) => demands(draft, entry)?,
@@ -92,34 +101,77 @@ fn goal_contact(draft: &Draft, pair: &At<GoalContactEntry>) -> Result<GoalContac
     Ok(GoalContact { a, b })
 }
 
+/// The objective; only "reach" has a body and a direction.
+fn objective(draft: &Draft, entry: &ObjectiveEntry) -> Result<Objective, SceneError> {
+    let plain = match *entry.kind {
+        ObjectiveKindEntry::Time => Objective::Time,
+        ObjectiveKindEntry::BaseHeight => Objective::BaseHeight,
+        ObjectiveKindEntry::Reach => return reach(draft, entry),
+    };
+    let body = entry.body.as_ref().map(At::span);
+    let unused = body.or_else(|| entry.direction.as_ref().map(At::span));
+    unused.map_or(Ok(plain), |span| {
+        let problem = "body and direction go with kind = \"reach\" only";
+        Err(draft.source.bad_keys(span, "objective", problem))
+    })
+}
+
+fn reach(draft: &Draft, entry: &ObjectiveEntry) -> Result<Objective, SceneError> {
+    let (Some(body), Some(given)) = (&entry.body, &entry.direction) else {
+        let problem = "kind = \"reach\" needs body = \"…\" and direction = [x, y, z]";
+        return Err(draft
+            .source
+            .bad_keys(entry.kind.span(), "objective", problem));
+    };
+    check_body(draft, body, "objective")?;
+    let direction = draft.source.point("direction of the objective", given)?;
+    let direction = direction.try_normalize(SHORTEST_DIRECTION).ok_or_else(|| {
+        let fault = Fault::Value {
+            what: "direction of the objective".to_owned(),
+            value: format!("{:?}", **given),
+            expected: "three numbers that are not all zero".to_owned(),
+        };
+        draft.source.fault(given.span(), fault)
+    })?;
+    Ok(Objective::Reach {
+        body: (**body).clone(),
+        direction,
+    })
+}
+
+/// The body of a region or an objective can move and has a place in the world.
+fn check_body(draft: &Draft, body: &At<String>, user: &str) -> Result<(), SceneError> {
+    let objects = draft.objects.iter().map(|object| object.name.as_str());
+    let interfaces = draft.interfaces.iter();
+    let movable = interfaces.filter(|i| !matches!(i.owner, crate::Owner::Static(_)));
+    let frames = draft.robot.model.frames.iter();
+    let names: Vec<&str> = [BASE_NAME]
+        .into_iter()
+        .chain(objects)
+        .chain(movable.map(|interface| interface.name.as_str()))
+        .chain(frames.map(|frame| frame.name.as_str()))
+        .collect();
+    if names.contains(&body.as_str()) {
+        return Ok(());
+    }
+    let kind = "object, robot link or interface that can move";
+    Err(unknown_name(
+        draft.source,
+        body,
+        user,
+        kind,
+        names.into_iter(),
+    ))
+}
+
 fn region_goal(draft: &Draft, region: &At<RegionEntry>) -> Result<RegionGoal, SceneError> {
     let what = format!("goal region of {:?}", *region.body);
-    let names = || {
-        let objects = draft.objects.iter().map(|object| object.name.as_str());
-        let interfaces = draft.interfaces.iter();
-        let movable = interfaces.filter(|i| !matches!(i.owner, crate::Owner::Static(_)));
-        let frames = draft.robot.model.frames.iter();
-        [BASE_NAME]
-            .into_iter()
-            .chain(objects)
-            .chain(movable.map(|interface| interface.name.as_str()))
-            .chain(frames.map(|frame| frame.name.as_str()))
-    };
-    if !names().any(|name| name == *region.body) {
-        let kind = "object, robot link or interface that can move";
-        return Err(unknown_name(
-            draft.source,
-            &region.body,
-            "goal region",
-            kind,
-            names(),
-        ));
-    }
+    check_body(draft, &region.body, "goal region")?;
     let mut lower = Vector3::repeat(f64::NEG_INFINITY);
     let mut upper = Vector3::repeat(f64::INFINITY);
     let axes = [&region.x, &region.y, &region.z];
-    if axes.iter().all(|axis| axis.is_none()) {
-        let problem = "expected at least one of x, y, z, each [smallest, largest]";
+    if axes.iter().all(|axis| axis.is_none()) && region.yaw.is_none() && region.tilt.is_none() {
+        let problem = "expected at least one of x, y, z, yaw, each [smallest, largest], or tilt";
         return Err(draft.source.bad_keys(region.span(), &what, problem));
     }
     for (i, axis) in axes.into_iter().enumerate() {
@@ -129,7 +181,7 @@ fn region_goal(draft: &Draft, region: &At<RegionEntry>) -> Result<RegionGoal, Sc
         let is_range = from <= to && from < f64::INFINITY && to > f64::NEG_INFINITY;
         if !is_range {
             let fault = Fault::Value {
-                what,
+                what: what.clone(),
                 value: format!("{:?}", **axis),
                 expected: "[smallest, largest] with smallest ≤ largest; -inf and inf are allowed"
                     .to_owned(),
@@ -142,5 +194,42 @@ fn region_goal(draft: &Draft, region: &At<RegionEntry>) -> Result<RegionGoal, Sc
         body: (*region.body).clone(),
         lower,
         upper,
+        yaw: region
+            .yaw
+            .as_ref()
+            .map(|yaw| heading(draft, &what, yaw))
+            .transpose()?,
+        tilt: region
+            .tilt
+            .as_ref()
+            .map(|tilt| largest_tilt(draft, &what, tilt))
+            .transpose()?,
     })
+}
+
+fn heading(draft: &Draft, what: &str, yaw: &At<[f64; 2]>) -> Result<[f64; 2], SceneError> {
+    let [from, to] = **yaw;
+    // also false for NaN and infinities
+    if from <= to && to - from < TAU {
+        return Ok([from, to]);
+    }
+    let fault = Fault::Value {
+        what: format!("yaw of {what}"),
+        value: format!("{:?} rad", **yaw),
+        expected: "[smallest, largest] with smallest ≤ largest, less than a full turn apart"
+            .to_owned(),
+    };
+    Err(draft.source.fault(yaw.span(), fault))
+}
+
+fn largest_tilt(draft: &Draft, what: &str, tilt: &At<f64>) -> Result<f64, SceneError> {
+    if (LEAST_TILT..=FRAC_PI_2).contains(&**tilt) {
+        return Ok(**tilt);
+    }
+    let fault = Fault::Value {
+        what: format!("tilt of {what}"),
+        value: format!("{} rad", **tilt),
+        expected: format!("a number from {LEAST_TILT} to π/2"),
+    };
+    Err(draft.source.fault(tilt.span(), fault))
 }

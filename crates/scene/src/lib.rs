@@ -26,6 +26,7 @@ mod sequence_file;
 mod shapes;
 mod source;
 mod start;
+mod torque_speed;
 mod touch;
 mod types;
 mod values;

@@ -124,7 +124,7 @@ fn build(source: &Source, file: &SceneFile, base_dir: &Path) -> Result<Scene, Sc
         goal_contacts: goal.contacts,
         goal_regions: goal.regions,
         objective: goal.objective,
-        search: options::search(source, &file.search)?,
+        search: options::search(source, &file.search, base_dir)?,
         optimiser: options::optimiser(source, &file.optimiser)?,
     })
 }

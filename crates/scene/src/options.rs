@@ -1,8 +1,11 @@
 //! Options of the search and the optimiser, with their defaults.
 
 use crate::file::{OptimiserEntry, SearchEntry};
+use crate::robot::read;
 use crate::source::{At, Source};
-use crate::{OptimiserOptions, SceneError, SearchOptions};
+use crate::{Fault, OptimiserOptions, SceneError, SearchOptions};
+use std::path::Path;
+use symbolic::pddl::DomainFile;
 
 /// Largest counts of phases, actions and changes that make sense.
 const LARGEST_COUNT: usize = 1000;
@@ -20,6 +23,8 @@ impl Default for SearchOptions {
             max_skeleton: None,
             max_changes: 1,
             support_hands: false,
+            steps: 8,
+            domain: None,
         }
     }
 }
@@ -36,8 +41,12 @@ impl Default for OptimiserOptions {
     }
 }
 
-/// `[search]`.
-pub(crate) fn search(source: &Source, entry: &SearchEntry) -> Result<SearchOptions, SceneError> {
+/// `[search]`; the path of a domain starts at `base_dir`.
+pub(crate) fn search(
+    source: &Source,
+    entry: &SearchEntry,
+    base_dir: &Path,
+) -> Result<SearchOptions, SceneError> {
     let default = SearchOptions::default();
     let count = |what: &str, value: Option<&At<usize>>| {
         value
@@ -50,6 +59,27 @@ pub(crate) fn search(source: &Source, entry: &SearchEntry) -> Result<SearchOptio
         max_changes: count("max_changes", entry.max_changes.as_ref())?
             .unwrap_or(default.max_changes),
         support_hands: entry.support_hands.unwrap_or(default.support_hands),
+        steps: entry
+            .steps
+            .as_ref()
+            .map(|value| source.count("steps", value, 1..=LARGEST_STEPS))
+            .transpose()?
+            .unwrap_or(default.steps),
+        domain: (entry.domain.as_ref())
+            .map(|path| domain(source, path, base_dir))
+            .transpose()?,
+    })
+}
+
+/// Reads the PDDL domain that the scene names.
+fn domain(source: &Source, path: &At<String>, base_dir: &Path) -> Result<DomainFile, SceneError> {
+    let file = base_dir.join(&**path);
+    let shown = file.display().to_string();
+    let text = read(&file, &source.place(path.span()))?;
+    DomainFile::parse(&shown, &text).map_err(|error| {
+        let place = Source::new(&shown, &text).place(error.span);
+        let (problem, remedy) = (error.problem, error.remedy);
+        SceneError::at(place, Fault::Pddl { problem, remedy })
     })
 }
 

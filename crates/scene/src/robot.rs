@@ -6,6 +6,7 @@ use crate::interfaces::{Friction, robot_interface};
 use crate::nearest::{list, nearest};
 use crate::parse::parse;
 use crate::source::{At, Place, Source};
+use crate::torque_speed::{TorqueSpeedEntry, set_torque_speed};
 use crate::{Fault, Interface, PlacedShape, Robot, SceneError, Shape};
 use multibody::{JointKind, Model, Root};
 use nalgebra::Vector3;
@@ -35,6 +36,9 @@ pub(crate) struct RobotFile {
     /// Joint positions of a nominal stand [rad or m]; joints not named are at 0 or at the nearest limit.
     #[serde(default)]
     pub home: BTreeMap<At<String>, At<f64>>,
+    /// How the torques of joints fall with speed.
+    #[serde(default)]
+    pub torque_speed: Vec<TorqueSpeedEntry>,
     /// Hands and feet.
     #[serde(default)]
     pub interface: Vec<RobotInterfaceEntry>,
@@ -76,6 +80,7 @@ pub(crate) fn load(
     if let Some((source, file)) = &texts.file {
         robot_name.clone_from(&file.name);
         set_joints(source, &model, &file.home, &mut home)?;
+        set_torque_speed(source, &mut model, &file.torque_speed)?;
         interfaces = robot_interfaces(source, &model, &file.interface, friction)?;
     }
     let shapes = collision_shapes(&mut model);
@@ -138,7 +143,8 @@ fn find_texts(name: &str, place: Place, base_dir: &Path) -> Result<Texts, SceneE
     }
 }
 
-fn read(path: &Path, place: &Place) -> Result<String, SceneError> {
+/// The text of a file that is named at `place`.
+pub(crate) fn read(path: &Path, place: &Place) -> Result<String, SceneError> {
     std::fs::read_to_string(path).map_err(|error| {
         let fault = Fault::Read {
             path: path.display().to_string(),

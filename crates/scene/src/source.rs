@@ -122,6 +122,13 @@ impl Place {
         self.text[..self.span.start].matches('\n').count() + 1
     }
 
+    /// Column of the first character in its line, in characters from 1.
+    pub fn column(&self) -> usize {
+        let before = &self.text[..self.span.start];
+        let line_start = before.rfind('\n').map_or(0, |n| n + 1);
+        before[line_start..].chars().count() + 1
+    }
+
     /// The text at this place.
     pub fn excerpt(&self) -> &str {
         &self.text[self.span.clone()]
@@ -159,6 +166,7 @@ mod tests {
         let source = Source::new("a.toml", "one\ntwö\nthree\n");
         let place = source.place(4..8);
         assert_eq!((place.line(), place.excerpt()), (2, "twö"));
+        assert_eq!((place.column(), source.place(6..8).column()), (1, 3));
         assert_eq!(source.place(4..12).first_line(), 4..8);
     }
 

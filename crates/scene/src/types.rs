@@ -3,6 +3,7 @@
 use multibody::Model;
 use nalgebra::{Matrix3, Vector3};
 use spatial::Pose;
+use symbolic::pddl::DomainFile;
 use symbolic::{Contact, ContactType, InterfaceId};
 
 /// A convex primitive, centred at its own frame.
@@ -135,7 +136,7 @@ pub struct Robot {
     pub shapes: Vec<Vec<PlacedShape>>,
 }
 
-/// A region that the origin of a body must reach at the end.
+/// A region that the origin of a body must reach at the end, and its orientation there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RegionGoal {
     /// Name of an object, of a robot link or interface, or "base".
@@ -144,16 +145,27 @@ pub struct RegionGoal {
     pub lower: Vector3<f64>,
     /// Upper corner in the world [m]; +∞ where free.
     pub upper: Vector3<f64>,
+    /// Smallest and largest heading of its x axis about the world's z [rad], less than a full turn apart; `None`: free.
+    pub yaw: Option<[f64; 2]>,
+    /// Largest angle between its z axis and the world's [rad], at most a right angle; `None`: free.
+    pub tilt: Option<f64>,
 }
 
-/// Secondary objective of a search without a symbolic goal.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+/// What is sought beside the goal.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub enum Objective {
     /// Least time and effort.
     #[default]
     Time,
     /// Highest base at the end.
     BaseHeight,
+    /// A body as far as possible along a direction at the end.
+    Reach {
+        /// Name of an object, of a robot link or interface, or "base".
+        body: String,
+        /// Unit vector in the world.
+        direction: Vector3<f64>,
+    },
 }
 
 /// A contact pair demanded at the end.
@@ -176,6 +188,10 @@ pub struct SearchOptions {
     pub max_changes: usize,
     /// May free hands make supporting contacts.
     pub support_hands: bool,
+    /// Intervals per phase during the search, before refinement.
+    pub steps: usize,
+    /// The actions that move objects; `None`: the built-in ones.
+    pub domain: Option<DomainFile>,
 }
 
 /// Options of the optimiser (`[optimiser]` of a scene file).

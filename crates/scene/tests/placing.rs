@@ -156,6 +156,23 @@ fn goals_may_be_written_in_either_order() {
 }
 
 #[test]
+fn goals_may_ask_for_an_orientation_and_objectives_for_a_reach() {
+    let text = spoiled("x = [-0.5, 0.5]", "yaw = [-0.1, 3.5]\ntilt = 0.2").replace(
+        "[search]",
+        "[objective]\nkind = \"reach\"\nbody = \"crate\"\ndirection = [0, -3, 4]\n[search]",
+    );
+    let scene = read(&text).unwrap();
+    let region = &scene.goal_regions[0];
+    assert_eq!((region.yaw, region.tilt), (Some([-0.1, 3.5]), Some(0.2)));
+    assert!(region.lower.iter().all(|x| *x == f64::NEG_INFINITY));
+    let scene::Objective::Reach { body, direction } = &scene.objective else {
+        panic!("{:?}", scene.objective)
+    };
+    assert_eq!(body, "crate");
+    assert!((direction - nalgebra::Vector3::new(0.0, -0.6, 0.8)).norm() < 1e-15);
+}
+
+#[test]
 fn options_default_and_are_overridden() {
     let scene = read(VALID).unwrap();
     assert_eq!(

@@ -98,6 +98,71 @@ fn a_robot_file_gives_home_and_interfaces() {
     assert!((scene.start[2] - 0.3).abs() < 1e-12);
 }
 
+/// The robot file with torque at speed for some joints.
+fn with_torque_speed(table: &str) -> String {
+    ROBOT.replacen(
+        "[[interface]]",
+        &format!("[[torque_speed]]\n{table}\n[[interface]]"),
+        1,
+    )
+}
+
+#[test]
+fn torque_at_speed_is_given_to_the_joints_that_fit() {
+    let robot = with_torque_speed("joints = [\"sl*\"]\ncorner = 0.5\nno_load = 4");
+    let files = [
+        ("scene.toml", SCENE),
+        ("robot.toml", robot.as_str()),
+        ("robot.urdf", &urdf()),
+    ];
+    let scene = load_from_folder(&files).unwrap();
+    let found = scene.robot.model.joints.iter().map(|joint| {
+        let line = joint.torque_speed.as_ref();
+        (
+            joint.name.as_str(),
+            line.map(|line| [line.corner, line.no_load]),
+        )
+    });
+    let found: Vec<_> = found.filter(|(_, line)| line.is_some()).collect();
+    assert_eq!(found, [("slide", Some([0.5, 4.0]))]);
+}
+
+#[test]
+fn faults_of_torque_at_speed_say_what_is_wrong() {
+    let cases = [
+        (
+            "joints = [\"slid\"]\ncorner = 1",
+            "robot.toml:6: torque_speed: no moving joint is called \"slid\"; did you mean \"slide\"?",
+        ),
+        (
+            "joints = [\"slide\"]\ncorner = 0",
+            "robot.toml:7: corner of torque_speed is 0 rad/s, expected a positive number",
+        ),
+        (
+            "joints = [\"slide\", \"s*\"]\ncorner = 0.5\nno_load = 4",
+            "robot.toml:6: torque_speed of joint \"slide\": given twice; leave one out",
+        ),
+        (
+            "joints = [\"slide\"]\ncorner = 5\nno_load = 4",
+            "robot.toml:7: torque_speed of joint \"slide\": corner is 5 rad/s, expected less than 4 rad/s",
+        ),
+        (
+            "joints = [\"slide\"]\nspeed = 5",
+            "robot.toml:7: unknown key \"speed\"",
+        ),
+    ];
+    for (table, expected) in cases {
+        let robot = with_torque_speed(table);
+        let files = [
+            ("scene.toml", SCENE),
+            ("robot.toml", robot.as_str()),
+            ("robot.urdf", &urdf()),
+        ];
+        let message = load_from_folder(&files).unwrap_err().to_string();
+        assert!(message.contains(expected), "{message}");
+    }
+}
+
 #[test]
 fn faults_of_a_robot_file_name_the_robot_file() {
     let cases = [

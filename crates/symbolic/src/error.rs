@@ -1,5 +1,7 @@
 //! Why a symbolic problem cannot be posed.
 
+use crate::pddl::PddlError;
+
 /// Why a domain, a start state, a goal or a list of operators cannot be used.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum SymbolicError {
@@ -87,6 +89,9 @@ pub enum SymbolicError {
         /// Number of facts.
         count: usize,
     },
+    /// A PDDL domain that is not understood, or does not fit the scene.
+    #[error("{0}")]
+    Pddl(#[from] PddlError),
     /// The manipulation states within the action limit are too many to list.
     #[error(
         "more than {limit} manipulation states within reach; lower the largest number of skeleton actions"

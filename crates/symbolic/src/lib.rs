@@ -11,7 +11,7 @@
 //! ```
 //! use symbolic::search::AcceptAll;
 //! use symbolic::{BestFirst, Contact, ContactState, ContactType, Costs, Domain, Goal, GraphOptions, Interface};
-//! use symbolic::{InterfaceId, Owner, Role, SearchLimits, SkeletonGraph};
+//! use symbolic::{InterfaceId, Owner, Policy, Role, SearchLimits, SkeletonGraph};
 //!
 //! let interface = |name: &str, owner, role, lands, kind| Interface {
 //!     name: name.to_owned(), owner, role, patch: true, lands, contact_types: vec![kind],
@@ -44,7 +44,8 @@ mod domain;
 mod error;
 mod goal;
 mod graph;
-pub mod manipulation;
+mod manipulation;
+pub mod pddl;
 pub mod search;
 pub mod state_rules;
 pub mod statistics;
@@ -61,8 +62,9 @@ pub use goal::{Goal, GoalPair};
 pub use graph::{GraphOptions, Node, SkeletonGraph, StateId, Successor};
 pub use manipulation::Manipulation;
 pub use search::{
-    BestFirst, Costs, Ending, Oracle, Rollouts, SearchLimits, Sequence, Status, Verdict,
+    BestFirst, Costs, Ending, Oracle, Policy, Rollouts, SearchLimits, Sequence, Status, TreeSearch,
+    Verdict,
 };
 pub use successors::successors;
-pub use task::{Condition, Fact, FactSet, Operator, Task};
+pub use task::{Change, Condition, Fact, FactSet, Operator, Task};
 pub use task_graph::{TaskEdge, TaskGraph, TaskState};

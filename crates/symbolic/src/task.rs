@@ -1,7 +1,6 @@
 //! Ground manipulation tasks: facts, operators with preconditions and effects, start and goal.
 //!
-//! A small planning task in the manner of STRIPS with disjunctive preconditions. The built-in operators are in
-//! [`crate::manipulation`]; a domain read from PDDL replaces them by filling the same types.
+//! What [`crate::pddl`] makes of a domain and a problem: STRIPS with arbitrary conditions and conditional effects.
 
 use crate::error::SymbolicError;
 
@@ -59,27 +58,115 @@ impl FromIterator<Fact> for FactSet {
     }
 }
 
-/// What must hold: at least one fact of every clause of `any_of`, none of `none_of`.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Condition {
-    /// Clauses; an empty clause can never hold.
-    pub any_of: Vec<Vec<Fact>>,
-    /// Facts that must be false.
-    pub none_of: Vec<Fact>,
+/// What must hold of a state.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Condition {
+    /// The fact is true.
+    Holds(Fact),
+    /// The condition does not hold.
+    Not(Box<Condition>),
+    /// All of them hold; always true if there are none.
+    All(Vec<Condition>),
+    /// At least one of them holds; never true if there are none.
+    Any(Vec<Condition>),
+}
+
+impl Default for Condition {
+    fn default() -> Self {
+        Self::always()
+    }
 }
 
 impl Condition {
-    /// True if the state satisfies the condition.
-    pub fn holds(&self, state: &FactSet) -> bool {
-        self.any_of
-            .iter()
-            .all(|clause| clause.iter().any(|&fact| state.contains(fact)))
-            && !self.none_of.iter().any(|&fact| state.contains(fact))
+    /// The condition that every state satisfies.
+    pub fn always() -> Self {
+        Self::All(Vec::new())
     }
 
-    fn facts(&self) -> impl Iterator<Item = Fact> + '_ {
-        self.any_of.iter().flatten().chain(&self.none_of).copied()
+    /// The condition that no state satisfies.
+    pub fn never() -> Self {
+        Self::Any(Vec::new())
     }
+
+    /// [`Condition::always`] or [`Condition::never`].
+    pub fn constant(holds: bool) -> Self {
+        if holds { Self::always() } else { Self::never() }
+    }
+
+    /// True if all hold; parts that always hold are left out, and what follows one that never holds is not looked at.
+    pub fn all(parts: impl IntoIterator<Item = Self>) -> Self {
+        let mut kept = Vec::new();
+        for part in parts {
+            match part {
+                Self::Any(none) if none.is_empty() => return Self::never(),
+                Self::All(parts) => kept.extend(parts),
+                other => kept.push(other),
+            }
+        }
+        match kept.len() {
+            1 => kept.swap_remove(0),
+            _ => Self::All(kept),
+        }
+    }
+
+    /// True if any holds; parts that never hold are left out, and what follows one that always holds is not looked at.
+    pub fn any(parts: impl IntoIterator<Item = Self>) -> Self {
+        let mut kept = Vec::new();
+        for part in parts {
+            match part {
+                Self::All(none) if none.is_empty() => return Self::always(),
+                Self::Any(parts) => kept.extend(parts),
+                other => kept.push(other),
+            }
+        }
+        match kept.len() {
+            1 => kept.swap_remove(0),
+            _ => Self::Any(kept),
+        }
+    }
+
+    /// The opposite.
+    #[must_use]
+    pub fn negated(self) -> Self {
+        match self {
+            Self::Not(body) => *body,
+            Self::All(none) if none.is_empty() => Self::never(),
+            Self::Any(none) if none.is_empty() => Self::always(),
+            other => Self::Not(Box::new(other)),
+        }
+    }
+
+    /// True if the state satisfies the condition.
+    pub fn holds(&self, state: &FactSet) -> bool {
+        match self {
+            Self::Holds(fact) => state.contains(*fact),
+            Self::Not(body) => !body.holds(state),
+            Self::All(parts) => parts.iter().all(|part| part.holds(state)),
+            Self::Any(parts) => parts.iter().any(|part| part.holds(state)),
+        }
+    }
+
+    /// The first fact it names that is not below `count`.
+    fn undeclared(&self, count: usize) -> Option<Fact> {
+        match self {
+            Self::Holds(fact) => (fact.0 >= count).then_some(*fact),
+            Self::Not(body) => body.undeclared(count),
+            Self::All(parts) | Self::Any(parts) => {
+                parts.iter().find_map(|part| part.undeclared(count))
+            }
+        }
+    }
+}
+
+/// What an action changes where a condition holds.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Change {
+    /// Judged in the state before the action.
+    pub when: Condition,
+    /// Facts that become false.
+    pub deletes: Vec<Fact>,
+    /// Facts that become true, after all deletions of the action.
+    pub adds: Vec<Fact>,
 }
 
 /// A ground action of the task.
@@ -89,10 +176,8 @@ pub struct Operator {
     pub label: String,
     /// Precondition.
     pub requires: Condition,
-    /// Facts that become false.
-    pub deletes: Vec<Fact>,
-    /// Facts that become true, after the deletions.
-    pub adds: Vec<Fact>,
+    /// What becomes of the facts.
+    pub changes: Vec<Change>,
 }
 
 impl Operator {
@@ -101,10 +186,26 @@ impl Operator {
         if !self.requires.holds(state) {
             return None;
         }
+        let takes_place = |change: &&Change| change.when.holds(state);
         let mut next = state.clone();
-        self.deletes.iter().for_each(|&fact| next.remove(fact));
-        self.adds.iter().for_each(|&fact| next.insert(fact));
+        for change in self.changes.iter().filter(takes_place) {
+            change.deletes.iter().for_each(|&fact| next.remove(fact));
+        }
+        for change in self.changes.iter().filter(takes_place) {
+            change.adds.iter().for_each(|&fact| next.insert(fact));
+        }
         (next != *state).then_some(next)
+    }
+
+    /// The first fact it names that is not below `count`.
+    fn undeclared(&self, count: usize) -> Option<Fact> {
+        let of_change = |change: &Change| {
+            let facts = change.deletes.iter().chain(&change.adds);
+            let listed = facts.copied().find(|fact| fact.0 >= count);
+            listed.or_else(|| change.when.undeclared(count))
+        };
+        let listed = self.changes.iter().find_map(of_change);
+        listed.or_else(|| self.requires.undeclared(count))
     }
 }
 
@@ -129,16 +230,19 @@ impl Task {
         goal: Condition,
     ) -> Result<Self, SymbolicError> {
         let count = facts.len();
-        for operator in &operators {
-            let effects = operator.adds.iter().chain(&operator.deletes).copied();
-            check_facts(
-                &operator.label,
-                operator.requires.facts().chain(effects),
+        let refuse = |place: &str, fact: Option<Fact>| match fact {
+            None => Ok(()),
+            Some(fact) => Err(SymbolicError::UnknownFact {
+                place: place.to_owned(),
+                fact: fact.0,
                 count,
-            )?;
+            }),
+        };
+        for operator in &operators {
+            refuse(&operator.label, operator.undeclared(count))?;
         }
-        check_facts("start", start.iter(), count)?;
-        check_facts("goal", goal.facts(), count)?;
+        refuse("start", start.iter().find(|fact| fact.0 >= count))?;
+        refuse("goal", goal.undeclared(count))?;
         Ok(Self {
             facts,
             operators,
@@ -166,19 +270,4 @@ impl Task {
     pub fn goal(&self) -> &Condition {
         &self.goal
     }
-}
-
-fn check_facts(
-    place: &str,
-    mut facts: impl Iterator<Item = Fact>,
-    count: usize,
-) -> Result<(), SymbolicError> {
-    let unknown = facts.find(|fact| fact.0 >= count);
-    unknown.map_or(Ok(()), |fact| {
-        Err(SymbolicError::UnknownFact {
-            place: place.to_owned(),
-            fact: fact.0,
-            count,
-        })
-    })
 }

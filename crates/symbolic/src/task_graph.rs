@@ -243,21 +243,20 @@ impl Plans<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::task::{Condition, Fact, Operator};
+    use crate::task::{Change, Condition, Fact, Operator};
 
     #[test]
     fn too_many_states_are_refused_with_the_limit() {
         let switch = |n: usize| Operator {
             label: format!("switch {n}"),
-            requires: Condition::default(),
-            deletes: vec![],
-            adds: vec![Fact(n)],
+            requires: Condition::always(),
+            changes: vec![Change {
+                adds: vec![Fact(n)],
+                ..Change::default()
+            }],
         };
         let facts = (0..5).map(|n| format!("on {n}")).collect();
-        let goal = Condition {
-            any_of: (0..5).map(|n| vec![Fact(n)]).collect(),
-            none_of: vec![],
-        };
+        let goal = Condition::all((0..5).map(|n| Condition::Holds(Fact(n))));
         let operators = (0..5).map(switch).collect();
         let task =
             Task::new(facts, operators, FactSet::default(), goal).expect("the task is valid");

@@ -1,10 +1,13 @@
 //! Tests of the symbolic layer against examples worked by hand and against brute force.
 
+mod brute_force;
 mod costs;
 mod domain;
 mod fixtures;
 mod graph;
+mod kinds;
 mod oracles;
+mod pddl;
 mod problems;
 mod rules;
 mod search;

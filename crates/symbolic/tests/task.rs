@@ -1,6 +1,8 @@
 //! Ground tasks and their plans, on the two-handed pick-and-place domain with a base that goes between tables.
 
-use symbolic::{Condition, Fact, FactSet, Operator, SymbolicError, Task, TaskGraph, TaskState};
+use symbolic::{
+    Change, Condition, Fact, FactSet, Operator, SymbolicError, Task, TaskGraph, TaskState,
+};
 
 const TABLES: usize = 3;
 const BOXES: usize = 2;
@@ -25,12 +27,18 @@ fn action(
     deletes: &[Fact],
     adds: &[Fact],
 ) -> Operator {
-    let any_of = all_of.iter().map(|&fact| vec![fact]).collect();
+    let holds = all_of.iter().map(|&fact| Condition::Holds(fact));
+    let fails = none_of
+        .into_iter()
+        .map(|fact| Condition::Holds(fact).negated());
     Operator {
         label,
-        requires: Condition { any_of, none_of },
-        deletes: deletes.to_vec(),
-        adds: adds.to_vec(),
+        requires: Condition::all(holds.chain(fails)),
+        changes: vec![Change {
+            deletes: deletes.to_vec(),
+            adds: adds.to_vec(),
+            ..Change::default()
+        }],
     }
 }
 
@@ -72,10 +80,7 @@ fn pick_place() -> Task {
         .map(|n| format!("fact {n}"))
         .collect();
     let start = [at(0), on(0, 0), on(1, 1)].into_iter().collect();
-    let goal = Condition {
-        any_of: vec![vec![on(0, 2)], vec![on(1, 2)]],
-        none_of: vec![],
-    };
+    let goal = Condition::all([on(0, 2), on(1, 2)].map(Condition::Holds));
     Task::new(facts, operators, start, goal).expect("the task is valid")
 }
 
@@ -137,12 +142,8 @@ fn an_unreachable_goal_has_no_plan() {
         pick_place().facts().to_vec(),
         pick_place().operators().to_vec(),
     );
-    let nothing = Condition {
-        any_of: vec![vec![]],
-        none_of: vec![],
-    };
-    let task = Task::new(facts, operators, pick_place().start().clone(), nothing)
-        .expect("the task is valid");
+    let start = pick_place().start().clone();
+    let task = Task::new(facts, operators, start, Condition::never()).expect("the task is valid");
     for bound in [None, Some(4)] {
         let graph = TaskGraph::explore(&task, bound).expect("few states");
         assert_eq!(graph.distance(TaskState(0)), None);

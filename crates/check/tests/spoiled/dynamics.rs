@@ -1,6 +1,7 @@
 //! Dynamics that do not add up.
 
-use check::{Options, check};
+use check::{Options, Status, check};
+use plan::Plan;
 
 use super::{Case, FORCES, case, column, contact, in_urdf, judge, judge_all, push};
 use crate::toy::{Recipe, lift, lift_by, stand};
@@ -104,7 +105,41 @@ pub(crate) fn cases() -> Vec<Case> {
         case("a motor too weak", "torque_limit", &[], stand(), |p| {
             in_urdf(p, "effort=\"30\"", "effort=\"2\"");
         }),
+        case(
+            "a motor too weak at speed",
+            "torque_speed",
+            &[],
+            lift(),
+            |p| {
+                slow_motors(p, 1e-3, 2e-3);
+            },
+        ),
     ]
+}
+
+/// Lets all torques fall with speed.
+fn slow_motors(plan: &mut Plan, corner: f64, max: f64) {
+    let line = plan::TorqueSpeed { corner, max };
+    let joints = plan.robot.joints.iter();
+    plan.robot.torque_speed = joints.map(|joint| (joint.clone(), line)).collect();
+}
+
+#[test]
+fn torque_at_speed_is_judged_where_it_is_declared_and_enforced() {
+    let verdict = |plan: &Plan| {
+        check(plan, &Options::default())
+            .row("torque_speed")
+            .unwrap()
+            .status
+    };
+    let mut plan = lift();
+    assert_eq!(verdict(&plan), Status::NotApplicable);
+    slow_motors(&mut plan, 50.0, 60.0);
+    assert_eq!(verdict(&plan), Status::Pass);
+    slow_motors(&mut plan, 1e-3, 2e-3);
+    assert_eq!(verdict(&plan), Status::Fail);
+    plan.robot.torque_limits.as_mut().unwrap().fill(None);
+    assert_eq!(verdict(&plan), Status::NotApplicable);
 }
 
 #[test]

@@ -12,7 +12,20 @@ fn region(lower: f64) -> GoalRegion {
         body: "box".into(),
         lower: [None, None, Some(lower)],
         upper: [Some(5.0), None, None],
+        yaw: None,
+        tilt: None,
         extra: plan::Extra::new(),
+    }
+}
+
+/// The box has this heading and tilt.
+fn turned(yaw: Option<[f64; 2]>, tilt: Option<f64>) -> GoalRegion {
+    GoalRegion {
+        lower: [None; 3],
+        upper: [None; 3],
+        yaw,
+        tilt,
+        ..region(0.0)
     }
 }
 
@@ -24,6 +37,21 @@ pub(crate) fn goal_cases() -> Vec<Case> {
         }),
         case("a goal region missed", "goal_region", &[], lift(), |p| {
             p.goal_regions.push(region(1.2));
+        }),
+        case(
+            "a goal heading missed",
+            "goal_orientation",
+            &[],
+            lift(),
+            |p| {
+                p.goal_regions.push(turned(Some([1.0, 2.0]), None));
+            },
+        ),
+        case("a goal tilt missed", "goal_orientation", &[], lift(), |p| {
+            p.goal_regions.push(GoalRegion {
+                body: "left_foot".into(),
+                ..turned(None, Some(0.2))
+            });
         }),
     ]
 }
@@ -40,6 +68,22 @@ fn goals_that_are_missed() {
             .value,
         Some(0.0)
     );
+    // At the end the box has pitched by 0.1 rad.
+    let orientation = |yaw: [f64; 2], tilt: f64| {
+        let mut plan = lift();
+        plan.goal_regions.push(turned(Some(yaw), Some(tilt)));
+        let report = check(&plan, &Options::default());
+        report
+            .row("goal_orientation")
+            .unwrap()
+            .value
+            .unwrap()
+            .to_radians()
+    };
+    assert_eq!(orientation([-0.1, 0.1], 0.11), 0.0);
+    assert_eq!(orientation([6.2, 6.4], 0.11), 0.0, "a full turn further");
+    assert!((orientation([0.2, 0.3], 0.11) - 0.2).abs() < 1e-9);
+    assert!((orientation([-0.1, 0.1], 0.07) - 0.03).abs() < 1e-3);
 }
 
 /// Corruptions of the contact sequence.

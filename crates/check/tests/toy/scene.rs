@@ -1,5 +1,7 @@
 //! What stands around the toy robot, and where it can touch.
 
+use std::collections::BTreeMap;
+
 use nalgebra::Vector3;
 use plan::{Extra, Geometry, Interface, InterfaceKind, Object, Pose7, Robot, StaticBody};
 
@@ -30,6 +32,7 @@ pub(super) fn robot() -> Robot {
             .map(String::from)
             .to_vec(),
         torque_limits: Some(vec![Some(200.0), Some(200.0), Some(30.0), Some(10.0)]),
+        torque_speed: BTreeMap::new(),
         extra: Extra::new(),
     }
 }

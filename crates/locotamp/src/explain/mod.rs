@@ -304,7 +304,9 @@ fn concerns(scene: &Scene, knob: &Knob, pull: &Pull) -> bool {
         }
         Knob::Friction(of) => category == "friction cone" && contact_of(of),
         Knob::Torsion(of) => category == "torsional friction" && contact_of(of),
-        Knob::Torque(_) | Knob::AllTorques => category == "torque limit",
+        Knob::Torque(_) | Knob::AllTorques => {
+            matches!(category, "torque limit" | "torque at speed")
+        }
         Knob::Velocity(_) => category == "joint velocity",
         Knob::Range(..) => category == "joint range",
         Knob::Force(of) | Knob::Moment(of) => {

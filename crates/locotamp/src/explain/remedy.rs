@@ -180,13 +180,15 @@ fn overloaded(scene: &Scene, motion: &mut Motion) -> Vec<usize> {
     let point = motion.point.clone();
     let joints = &scene.robot.model.joints;
     let share = motion.trajectory.program.settings.margins.torque;
+    let at_speed = motion.trajectory.program.settings.torque_speed();
     let mut load = vec![0.0_f64; joints.len()];
     for t in 0..motion.trajectory.program.n_intervals() {
-        let tau = motion.trajectory.torques(&point, t);
-        for (load, joint) in load.iter_mut().zip(joints) {
-            if joint.kind.nv() == 1 {
-                *load = load.max(tau[joint.idx_v].abs() / (share * joint.torque_limit));
-            }
+        let used = motion.trajectory.torque_shares(&point, t, at_speed);
+        let actuated = motion.trajectory.program.system.actuated();
+        let single = (0..joints.len()).filter(|&j| joints[j].kind.nv() == 1);
+        for ((j, used), enforced) in single.zip(used).zip(actuated) {
+            let used = used * enforced.torque_limit / joints[j].torque_limit;
+            load[j] = load[j].max(used / share);
         }
     }
     let mut over: Vec<usize> = (0..joints.len()).filter(|&j| load[j] > 1.0).collect();

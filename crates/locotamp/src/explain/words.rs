@@ -17,12 +17,12 @@ const MOST_IN_VAIN: usize = 5;
 pub(super) fn group(category: &str) -> &'static str {
     match category {
         "friction cone" | "torsional friction" => "friction",
-        "torque limit" => "torque",
+        "torque limit" | "torque at speed" => "torque",
         "joint velocity" => "joint velocity",
         "joint range" => "joint range",
         "contact force" | "grasp strength" | "centre of pressure" => "contact force",
         "clearance" => "clearance",
-        "goal region" => "goal",
+        "goal region" | "goal orientation" => "goal",
         "phase duration" => "duration",
         "equations of motion" | "momentum" => "dynamics",
         _ => "geometry",

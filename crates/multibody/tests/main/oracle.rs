@@ -76,6 +76,7 @@ fn model_of_table(table: &Value) -> Model {
             upper: f64::INFINITY,
             velocity_limit: f64::INFINITY,
             torque_limit: f64::INFINITY,
+            torque_speed: None,
         }
     };
     let joints = table

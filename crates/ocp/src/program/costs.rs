@@ -1,14 +1,17 @@
-//! Costs at the nodes: posture, tilt of the base, height of the base at the end.
+//! Costs at the nodes: posture, tilt of the base, the objective at the end.
 
 use std::sync::Arc;
 
+use super::goal::{BASE, goal_body};
 use super::{Builder, NodeCost};
 use crate::relative::{Body, Carrier, RelativeFrame};
 use crate::resting;
 use crate::settings::Preset;
 use crate::terms::{PoseTerm, approach::Approach, height::Height, tilt::Tilt};
-use scene::Role;
+use nalgebra::{UnitQuaternion, Vector3};
+use scene::{Objective, Role};
 use spatial::Pose;
+use std::f64::consts::PI;
 
 use super::{Grid, Phase};
 
@@ -22,7 +25,7 @@ const CARRY: f64 = 20.0;
 const CARRY_UPRIGHT: f64 = 1.0;
 
 impl Builder<'_> {
-    /// Posture, tilt and height costs of every free node.
+    /// Posture and tilt costs of every free node, and the objective.
     pub(super) fn costs(&mut self) {
         let p = &mut self.program;
         let w = p.settings.weights.clone();
@@ -42,11 +45,11 @@ impl Builder<'_> {
             .iter()
             .rposition(|n| n.var.is_some())
             .map(|t| p.master_node(t));
+        let ends = !matches!(p.grid, Grid::OpenKeyframes | Grid::State);
         for t in 0..p.nodes.len() {
             if p.nodes[t].var.is_none() || p.master_node(t) != t {
                 continue;
             }
-            let ends = !matches!(p.grid, Grid::OpenKeyframes | Grid::State);
             let is_last = ends && last == Some(t);
             let share = p.share[p.intervals[t.min(p.intervals.len() - 1)].phase];
             p.nodes[t].posture = if is_last {
@@ -60,14 +63,32 @@ impl Builder<'_> {
                 term: Arc::new(Tilt),
                 weights: vec![w.tilt * share],
             });
-            if is_last && self.scene.objective == scene::Objective::BaseHeight {
-                p.nodes[t].costs.push(NodeCost {
-                    slot,
-                    term: Arc::new(Height),
-                    weights: vec![-w.height],
-                });
-            }
         }
+        if let Some(t) = last.filter(|_| ends) {
+            self.objective(t, -w.height);
+        }
+    }
+
+    /// The reward at the last node `t`: how far the body of the objective is along its direction.
+    fn objective(&mut self, t: usize, weight: f64) {
+        let (body, direction) = match &self.scene.objective {
+            Objective::Time => return,
+            Objective::BaseHeight => (BASE, Vector3::z()),
+            Objective::Reach { body, direction } => (body.as_str(), *direction),
+        };
+        let Some(body) = goal_body(self.scene, &self.program.system, body) else {
+            return;
+        };
+        let along_z = UnitQuaternion::rotation_between(&Vector3::z(), &direction)
+            .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI));
+        let turned = Pose::from_parts(*along_z.to_rotation_matrix().matrix(), Vector3::zeros());
+        let frame = self.frame_in(body, turned);
+        let slot = self.program.nodes[t].slot(frame);
+        self.program.nodes[t].costs.push(NodeCost {
+            slot,
+            term: Arc::new(Height),
+            weights: vec![weight],
+        });
     }
 
     /// In keyframes, objects in the air stay near their guess and upright: the posture alone would let them sink until they

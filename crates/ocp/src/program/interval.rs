@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::terms::{ForceTerm, place::Place};
+use crate::torque_speed::TorqueSpeedRows;
 use symbolic::Contact;
 
 /// Sticking of one contact over one interval.
@@ -137,6 +138,8 @@ pub struct Interval {
     pub velocity_rows: Option<usize>,
     /// First block of the velocity limits.
     pub velocity_block: usize,
+    /// Torque at speed, where joints declare it.
+    pub torque_speed: TorqueSpeedRows,
     /// First row and block of the integrator, where velocities are unknowns.
     pub integrator: Option<IntegratorRows>,
     /// Contacts that come into being at node t and are at rest there.

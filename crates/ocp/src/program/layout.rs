@@ -72,6 +72,9 @@ impl Builder<'_> {
             if i.dynamics {
                 e.blocks[0].cols = (0..in_motion).collect();
             }
+            if let Some(block) = i.torque_speed.block {
+                e.blocks[block].cols = (0..in_motion).collect();
+            }
             if i.velocity_rows.is_some() {
                 for (k, joint) in p.system.actuated().enumerate() {
                     let nodes = [i.a, i.b]

@@ -21,6 +21,7 @@ mod label;
 mod layout;
 mod node;
 mod rows;
+mod torque_speed;
 mod variables;
 
 use crate::collision::{Clearances, CollisionModel};
@@ -184,6 +185,7 @@ impl Program {
         builder.costs();
         for t in 0..n {
             builder.equations_of_motion(t);
+            builder.torque_speed(t);
             builder.velocity_limits(t);
             builder.integrator(t);
             builder.contact_geometry(t, phases);

@@ -10,6 +10,7 @@ pub mod distance;
 pub mod friction;
 pub mod grasp;
 pub mod half_space;
+pub mod heading;
 pub mod height;
 pub mod place;
 pub mod point_friction;
@@ -21,6 +22,7 @@ pub mod sigmoid;
 pub mod slip_velocity;
 pub mod support_pressure;
 pub mod tilt;
+pub mod tilt_limit;
 pub mod torsion;
 
 use nalgebra::{Matrix6, Vector6};

@@ -4,7 +4,7 @@
 //! formulation 2.2: r_xy[t+1] = r_xy[t], yaw[t+1] = yaw[t].
 
 use super::PoseTerm;
-use super::pose_functions::{direction_gradient, direction_hessian, point_gradient, point_hessian};
+use super::pose_functions::{point_gradient, point_hessian, yaw, yaw_gradient, yaw_hessian};
 use nalgebra::{Matrix6, Vector3, Vector6};
 use spatial::Pose;
 
@@ -48,18 +48,14 @@ impl PoseTerm for Place {
         out[0] = r.x;
         out[1] = r.y;
         if self.yaw {
-            let axis = b_from_a.rotation().column(0);
-            out[2] = axis.y.atan2(axis.x);
+            out[2] = yaw(b_from_a);
         }
     }
     fn gradients(&self, b_from_a: &Pose, out: &mut [Vector6<f64>]) {
         out[0] = point_gradient(b_from_a, &Vector3::zeros(), &Vector3::x());
         out[1] = point_gradient(b_from_a, &Vector3::zeros(), &Vector3::y());
         if self.yaw {
-            let axis = b_from_a.rotation().column(0);
-            // d atan2(y, x) = (x dy − y dx)/(x² + y²); aligned patches keep x² + y² near one.
-            let u = Vector3::new(-axis.y, axis.x, 0.0) / flat_norm(b_from_a);
-            out[2] = direction_gradient(b_from_a, &Vector3::x(), &u);
+            out[2] = yaw_gradient(b_from_a);
         }
     }
     fn hessian(&self, b_from_a: &Pose, weights: &[f64]) -> Matrix6<f64> {
@@ -69,23 +65,8 @@ impl PoseTerm for Place {
             &Vector3::new(weights[0], weights[1], 0.0),
         );
         if self.yaw {
-            let axis = b_from_a.rotation().column(0);
-            let (x, y, s) = (axis.x, axis.y, flat_norm(b_from_a));
-            let u = Vector3::new(-y, x, 0.0) * (weights[2] / s);
-            h += direction_hessian(b_from_a, &Vector3::x(), &u);
-            let gx = direction_gradient(b_from_a, &Vector3::x(), &Vector3::x());
-            let gy = direction_gradient(b_from_a, &Vector3::x(), &Vector3::y());
-            let w = weights[2] / (s * s);
-            let cross = gx * gy.transpose();
-            h += (gx * gx.transpose() - gy * gy.transpose()) * (2.0 * x * y * w)
-                + (cross + cross.transpose()) * ((y * y - x * x) * w);
+            h += yaw_hessian(b_from_a) * weights[2];
         }
         h
     }
-}
-
-/// x² + y² of a's x axis in b's plane, kept away from zero (a patch seen edge-on has no yaw).
-fn flat_norm(b_from_a: &Pose) -> f64 {
-    let axis = b_from_a.rotation().column(0);
-    (axis.x * axis.x + axis.y * axis.y).max(1e-6)
 }

@@ -79,3 +79,35 @@ pub fn point_jacobian(x: &Pose, l: &Vector3<f64>) -> nalgebra::Matrix3x6<f64> {
     j.fixed_view_mut::<3, 3>(0, 3).copy_from(&(-r * skew(l)));
     j
 }
+
+/// Angle of a's x axis in b's plane [rad], in (−π, π].
+pub fn yaw(x: &Pose) -> f64 {
+    let axis = x.rotation().column(0);
+    axis.y.atan2(axis.x)
+}
+
+/// Gradient of [`yaw`]: d atan2(y, x) = (x dy − y dx)/(x² + y²).
+pub fn yaw_gradient(x: &Pose) -> Vector6<f64> {
+    let axis = x.rotation().column(0);
+    let u = Vector3::new(-axis.y, axis.x, 0.0) / flat_norm(x);
+    direction_gradient(x, &Vector3::x(), &u)
+}
+
+/// Hessian of [`yaw`].
+pub fn yaw_hessian(pose: &Pose) -> Matrix6<f64> {
+    let axis = pose.rotation().column(0);
+    let (x, y, s) = (axis.x, axis.y, flat_norm(pose));
+    let u = Vector3::new(-y, x, 0.0) / s;
+    let gx = direction_gradient(pose, &Vector3::x(), &Vector3::x());
+    let gy = direction_gradient(pose, &Vector3::x(), &Vector3::y());
+    let cross = gx * gy.transpose();
+    let products = (gx * gx.transpose() - gy * gy.transpose()) * (2.0 * x * y)
+        + (cross + cross.transpose()) * (y * y - x * x);
+    direction_hessian(pose, &Vector3::x(), &u) + products / (s * s)
+}
+
+/// x² + y² of a's x axis in b's plane, kept away from zero (a patch seen edge-on has no yaw).
+fn flat_norm(x: &Pose) -> f64 {
+    let axis = x.rotation().column(0);
+    (axis.x * axis.x + axis.y * axis.y).max(1e-6)
+}

@@ -3,9 +3,10 @@
 use super::distance::{Distance, Obstacle, Part};
 use super::{
     ForceTerm, PoseTerm, alignment::Alignment, approach::Approach, bounds::Bounds,
-    friction::Friction, grasp::Grasp, half_space::HalfSpace, height::Height, place::Place,
-    point_friction::PointFriction, pressure::Pressure, region::Region, sigmoid::Sigmoid,
-    support_pressure::SupportPressure, tilt::Tilt, torsion::Torsion,
+    friction::Friction, grasp::Grasp, half_space::HalfSpace, heading::Heading, height::Height,
+    place::Place, point_friction::PointFriction, pressure::Pressure, region::Region,
+    sigmoid::Sigmoid, support_pressure::SupportPressure, tilt::Tilt, tilt_limit::TiltLimit,
+    torsion::Torsion,
 };
 use nalgebra::Vector3;
 use spatial::Pose;
@@ -41,6 +42,8 @@ pub fn pose_terms() -> Vec<Box<dyn PoseTerm>> {
             upper: Vector3::repeat(1.0),
         }),
         Box::new(Tilt),
+        Box::new(Heading { half_width: 0.4 }),
+        Box::new(TiltLimit { max: 0.3 }),
         Box::new(distance(Obstacle::Box(half))),
         Box::new(distance(Obstacle::HalfSpace)),
         Box::new(distance(Obstacle::Parts(vec![

@@ -156,9 +156,29 @@ fn programs_with_velocities_as_unknowns_match_central_differences() {
             let labels = &program.0.program.labels;
             assert!(labels.iter().any(|l| l.category == "integrator"));
             assert!(labels.iter().any(|l| l.category == "contact velocity"));
+            assert!(labels.iter().any(|l| l.category == "torque at speed"));
             check_program(seed, program);
         }
     }
+}
+
+#[test]
+fn torque_at_speed_has_rows_unless_torque_limits_are_lifted_or_the_problem_is_the_papers() {
+    let rows = |preset, integrator, limits| {
+        let (trajectory, _) = program_with(0, Grid::Motion, preset, integrator);
+        let mut program = trajectory.program;
+        let settings = &mut program.settings;
+        settings.torque_limits = limits;
+        let labels = program.labels.iter();
+        let n = labels.filter(|l| l.category == "torque at speed").count();
+        (n, program.settings.torque_speed())
+    };
+    let (euler, on) = rows(Preset::Default, Integrator::Euler, true);
+    assert!(euler > 0 && on);
+    let (both_ends, _) = rows(Preset::Default, Integrator::ConstantAcceleration, true);
+    assert!(both_ends > euler);
+    assert_eq!(rows(Preset::Paper, Integrator::Euler, true), (0, false));
+    assert!(!rows(Preset::Default, Integrator::Euler, false).1);
 }
 
 #[test]

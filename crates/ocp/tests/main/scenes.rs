@@ -1,6 +1,6 @@
 //! Scenes built in memory: a random tree with feet and hands, tables and a box.
 
-use multibody::{Model, Root};
+use multibody::{Model, Root, TorqueSpeed};
 use nalgebra::{Matrix3, Vector3, Vector6};
 use ocp::collision::CollisionModel;
 use ocp::{Grid, Integrator, Phase, Point, Preset, Program, Settings, System, Trajectory};
@@ -50,7 +50,14 @@ fn placed(pose: Pose, shape: Shape) -> PlacedShape {
 /// 0 foot (patch), 1 hand (patch), 2 tip (point), 3 box bottom, 4 box side, 5 ground, 6 table top.
 #[allow(clippy::too_many_lines)] // one expression or layout, written down in its own order
 pub fn random_scene(seed: u64) -> Scene {
-    let model = Model::random(seed, Root::Floating, 7);
+    let mut model = Model::random(seed, Root::Floating, 7);
+    for joint in model.joints.iter_mut().skip(1).step_by(2) {
+        joint.torque_limit = 40.0;
+        joint.torque_speed = Some(TorqueSpeed {
+            corner: 3.0,
+            no_load: 7.0,
+        });
+    }
     let n_joints = model.nv - 6;
     let shapes: Vec<_> = model
         .frames
@@ -172,6 +179,8 @@ pub fn random_scene(seed: u64) -> Scene {
             body: "box".into(),
             lower: Vector3::new(-1.0, -1.0, f64::NEG_INFINITY),
             upper: Vector3::new(1.0, 1.0, f64::INFINITY),
+            yaw: Some([-2.0, 1.5]),
+            tilt: Some(1.2),
         }],
         objective: Objective::BaseHeight,
         search: SearchOptions {
@@ -179,6 +188,7 @@ pub fn random_scene(seed: u64) -> Scene {
             max_skeleton: None,
             max_changes: 1,
             support_hands: true,
+            domain: None,
         },
         optimiser: OptimiserOptions {
             steps: 3,

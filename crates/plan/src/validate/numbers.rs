@@ -43,6 +43,12 @@ impl Faults {
             "robot.torque_limits",
             plan.robot.torque_limits.iter().flatten().flatten(),
         );
+        for (joint, at) in &plan.robot.torque_speed {
+            self.finite(
+                &format!("robot.torque_speed.{joint}"),
+                [&at.corner, &at.max],
+            );
+        }
         self.finite("time", &plan.time);
         self.finite_rows("q", &plan.q);
         self.finite_rows("v", &plan.v);
@@ -79,7 +85,9 @@ impl Faults {
         for (i, region) in plan.goal_regions.iter().enumerate() {
             self.finite(
                 &format!("goal_regions[{i}]"),
-                region.lower.iter().chain(&region.upper).flatten(),
+                (region.lower.iter().chain(&region.upper).flatten())
+                    .chain(region.yaw.iter().flatten())
+                    .chain(&region.tilt),
             );
         }
         for (k, phase) in plan.phases.iter().enumerate() {
@@ -140,6 +148,15 @@ impl Faults {
                         "a friction coefficient of at least zero",
                     );
                 }
+            }
+        }
+        for (joint, at) in &plan.robot.torque_speed {
+            let place = |key: &str| format!("robot.torque_speed.{joint}.{key}");
+            if at.corner <= 0.0 {
+                self.value(place("corner"), at.corner, "a speed above zero");
+            }
+            if at.max <= at.corner {
+                self.value(place("max"), at.max, "a speed above the corner");
             }
         }
         for (i, object) in plan.objects.iter().enumerate() {

@@ -117,7 +117,17 @@ pub const KEYS: &[Case] = &[
     (
         "x = [-0.5, 0.5]",
         "",
-        "test.toml:57: goal region of \"base\": expected at least one of x, y, z",
+        "test.toml:57: goal region of \"base\": expected at least one of x, y, z, yaw",
+    ),
+    (
+        "[search]",
+        "[objective]\nkind = \"reach\"\nbody = \"left_hand\"\n[search]",
+        "test.toml:62: objective: kind = \"reach\" needs body = \"…\" and direction = [x, y, z]",
+    ),
+    (
+        "[search]",
+        "[objective]\nkind = \"time\"\ndirection = [1, 0, 0]\n[search]",
+        "test.toml:63: objective: body and direction go with kind = \"reach\" only",
     ),
     (
         "size = [0.1, 0.1, 0.04]",

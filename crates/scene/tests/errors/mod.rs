@@ -127,6 +127,38 @@ fn goals_that_ask_for_nothing() {
 }
 
 #[test]
+fn faults_of_a_pddl_domain_are_shown_in_its_own_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = spoiled("max_changes = 2", "max_changes = 2\ndomain = \"own.pddl\"");
+    let load = || {
+        Scene::from_toml(&text, "test.toml", folder.path()).map_err(|e| (e.to_string(), e.render()))
+    };
+    let (message, _) = load().unwrap_err();
+    assert!(
+        message.starts_with("test.toml:63: cannot read "),
+        "{message}"
+    );
+    std::fs::write(
+        folder.path().join("own.pddl"),
+        "(define (domain own)\n  (:axiom))\n",
+    )
+    .unwrap();
+    let (message, rendered) = load().unwrap_err();
+    let expected = "own.pddl:2:3: the section \":axiom\" is not supported; expected :requirements";
+    assert!(message.contains(expected), "{message}");
+    assert!(rendered.contains("2 │   (:axiom))"), "{rendered}");
+    let builtin = symbolic::pddl::DomainFile::builtin();
+    std::fs::write(folder.path().join("own.pddl"), builtin.text()).unwrap();
+    let scene = load().unwrap();
+    assert!(
+        scene
+            .search
+            .domain
+            .is_some_and(|domain| domain.is_builtin())
+    );
+}
+
+#[test]
 fn a_rendered_error_shows_the_line_and_the_remedy() {
     let error = read(&spoiled("on = \"table_top\"", "on = \"tabel_top\"")).unwrap_err();
     let rendered = error.render();

@@ -141,6 +141,26 @@ pub const NUMBERS: &[Case] = &[
         "test.toml:59: goal region of \"base\" is [0.5, -0.5], expected [smallest, largest]",
     ),
     (
+        "x = [-0.5, 0.5]",
+        "yaw = [0.0, 6.3]",
+        "test.toml:59: yaw of goal region of \"base\" is [0.0, 6.3] rad, expected [smallest, largest] … a full turn apart",
+    ),
+    (
+        "x = [-0.5, 0.5]",
+        "tilt = 0.0",
+        "test.toml:59: tilt of goal region of \"base\" is 0 rad, expected a number from 0.01 to π/2",
+    ),
+    (
+        "[search]",
+        "[objective]\nkind = \"reach\"\nbody = \"left_hand\"\ndirection = [0, 0, 0]\n[search]",
+        "test.toml:64: direction of the objective is [0.0, 0.0, 0.0], expected three numbers that are not all zero",
+    ),
+    (
+        "[search]",
+        "[objective]\nkind = \"reach\"\nbody = \"left_foo\"\ndirection = [0, 0, 1]\n[search]",
+        "test.toml:63: objective: no object, robot link or interface that can move is called \"left_foo\" … \"left_foot\"",
+    ),
+    (
         "joints = { waist_yaw_joint = 0.1 }",
         "joints = { waist_yaw_joint = 9.5 }",
         "test.toml:6: joint \"waist_yaw_joint\" starts at 9.5, expected a value within its limits [-2.618, 2.618]; set it in [start.joints]",

@@ -13,6 +13,7 @@ use crate::search::costs::{Costs, ExtraCost};
 use crate::search::expansion::{Expansion, Units, phases};
 use crate::search::limits::{SearchLimits, Status};
 use crate::search::oracle::Oracle;
+use crate::search::policy::Policy;
 use crate::search::sequence::{Sequence, states_along};
 use crate::search::verdicts::{Counts, Rejected, Rejection, Verdicts};
 use crate::task_graph::TaskState;
@@ -95,79 +96,6 @@ impl BestFirst {
     pub fn with_extra_cost(mut self, extra: ExtraCost) -> Self {
         self.expansion.extra = Some(extra);
         self
-    }
-
-    /// The next complete sequence, none twice and none cheaper than the one before; `None` if the search ends or
-    /// stops, see [`BestFirst::status`].
-    pub fn next(&mut self, oracle: &mut dyn Oracle) -> Option<Sequence> {
-        loop {
-            if oracle.stop() {
-                self.status = Status::Stopped;
-                return None;
-            }
-            if self.tree.len() >= self.expansion.bounds.max_nodes {
-                self.status = Status::Full;
-                return None;
-            }
-            let Some(Reverse(entry)) = self.queue.pop() else {
-                self.status = Status::Exhausted;
-                return None;
-            };
-            self.status = Status::Running;
-            if !self.is_alive(entry.beginning) {
-                continue;
-            }
-            match entry.turn {
-                Turn::Judge => self.judge(entry.beginning, oracle),
-                Turn::Extend(rank) => self.extend(entry.beginning, rank as usize),
-                Turn::Return => {
-                    self.verdicts.counts.returned += 1;
-                    let edges = self.edges(entry.beginning);
-                    return Some(Sequence::along(
-                        &self.expansion.graph,
-                        &edges,
-                        phases(entry.bound),
-                    ));
-                }
-            }
-        }
-    }
-
-    /// Takes back what cannot be: from now on no sequence that contains it is returned.
-    pub fn reject(&mut self, what: Rejected, reason: impl Into<String>) {
-        let rejection = Rejection {
-            what,
-            reason: reason.into(),
-        };
-        self.verdicts.reject(&mut self.expansion.graph, rejection);
-    }
-
-    /// How far the search is.
-    pub fn status(&self) -> Status {
-        self.status
-    }
-
-    /// All rejections with their reasons, in the order in which they were found.
-    pub fn rejections(&self) -> &[Rejection] {
-        self.verdicts.rejections()
-    }
-
-    /// Counts so far.
-    pub fn counts(&self) -> Counts {
-        Counts {
-            created: self.tree.len(),
-            ..self.verdicts.counts
-        }
-    }
-
-    /// Largest number of phases K_max.
-    pub fn max_phases(&self) -> usize {
-        self.expansion.bounds.max_phases
-    }
-
-    /// The graph.
-    pub fn graph(&self) -> &SkeletonGraph {
-        &self.expansion.graph
     }
 
     fn create(&mut self, beginning: Beginning) {
@@ -296,5 +224,71 @@ impl BestFirst {
             self.tree[index as usize].checked = self.verdicts.revision;
         }
         alive
+    }
+}
+
+impl Policy for BestFirst {
+    /// The next complete sequence, none twice and none cheaper than the one before; `None` if the search ends or
+    /// stops, see [`BestFirst::status`].
+    fn next(&mut self, oracle: &mut dyn Oracle) -> Option<Sequence> {
+        loop {
+            if oracle.stop() {
+                self.status = Status::Stopped;
+                return None;
+            }
+            if self.tree.len() >= self.expansion.bounds.max_nodes {
+                self.status = Status::Full;
+                return None;
+            }
+            let Some(Reverse(entry)) = self.queue.pop() else {
+                self.status = Status::Exhausted;
+                return None;
+            };
+            self.status = Status::Running;
+            if !self.is_alive(entry.beginning) {
+                continue;
+            }
+            match entry.turn {
+                Turn::Judge => self.judge(entry.beginning, oracle),
+                Turn::Extend(rank) => self.extend(entry.beginning, rank as usize),
+                Turn::Return => {
+                    self.verdicts.counts.returned += 1;
+                    let edges = self.edges(entry.beginning);
+                    return Some(Sequence::along(
+                        &self.expansion.graph,
+                        &edges,
+                        phases(entry.bound),
+                    ));
+                }
+            }
+        }
+    }
+
+    fn reject(&mut self, what: Rejected, reason: String) {
+        let rejection = Rejection { what, reason };
+        self.verdicts.reject(&mut self.expansion.graph, rejection);
+    }
+
+    fn status(&self) -> Status {
+        self.status
+    }
+
+    fn rejections(&self) -> &[Rejection] {
+        self.verdicts.rejections()
+    }
+
+    fn counts(&self) -> Counts {
+        Counts {
+            created: self.tree.len(),
+            ..self.verdicts.counts
+        }
+    }
+
+    fn max_phases(&self) -> usize {
+        self.expansion.bounds.max_phases
+    }
+
+    fn graph(&self) -> &SkeletonGraph {
+        &self.expansion.graph
     }
 }

@@ -28,6 +28,9 @@ pub struct Step<'g> {
 /// A cost beside [`Costs`]; negative values count as zero, so that no step costs less than a phase.
 pub type ExtraCost = Box<dyn Fn(&Step<'_>) -> f64 + Send>;
 
+/// A cost of the caller's for ending in a state; negative values count as zero.
+pub type EndCost = Box<dyn Fn(&SkeletonGraph, &ContactState) -> f64 + Send>;
+
 /// Costs of a sequence, in phases.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Costs {

@@ -7,7 +7,7 @@ use crate::action::Action;
 use crate::contact::InterfaceId;
 use crate::domain::Role;
 use crate::graph::{Node, SkeletonGraph, StateId, Successor};
-use crate::search::costs::{Costs, ExtraCost, Step};
+use crate::search::costs::{Costs, EndCost, ExtraCost, Step};
 use crate::search::limits::{Bounds, Ending};
 use crate::task_graph::TaskState;
 
@@ -40,6 +40,7 @@ pub(crate) struct Expansion {
     pub(crate) graph: SkeletonGraph,
     pub(crate) costs: Costs,
     pub(crate) extra: Option<ExtraCost>,
+    pub(crate) end: Option<EndCost>,
     pub(crate) bounds: Bounds,
     lists: Vec<Vec<Ranked>>,
     index: BTreeMap<(Node, Option<InterfaceId>), usize>,
@@ -60,6 +61,7 @@ impl Expansion {
             graph,
             costs,
             extra: None,
+            end: None,
             bounds,
             lists: Vec::new(),
             index: BTreeMap::new(),
@@ -167,6 +169,8 @@ impl Expansion {
     }
 
     pub(crate) fn end_cost(&self, state: StateId) -> Units {
-        units(self.costs.end(&self.graph, state))
+        let own = self.end.as_ref();
+        let own = own.map_or(0.0, |end| end(&self.graph, self.graph.state(state)));
+        units(self.costs.end(&self.graph, state) + own.max(0.0))
     }
 }

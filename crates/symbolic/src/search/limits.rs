@@ -64,7 +64,7 @@ impl SearchLimits {
 /// n is the length of the shortest skeleton, 4 (one grasp, lift, place, release) if none is needed but an object can
 /// be grasped; each four skeleton actions come with four foot swings (two steps to the object, two with it), of two
 /// phases each. r is the number of goal pairs of the robot that the start does not hold: two swings each. An empty
-/// goal without graspable objects gets r = 2.
+/// goal gets r = 2.
 pub fn default_phases(graph: &SkeletonGraph) -> usize {
     let domain = graph.domain();
     let start = graph.state(graph.root().state);
@@ -84,7 +84,7 @@ pub fn default_phases(graph: &SkeletonGraph) -> usize {
         .filter(of_robot)
         .filter(|pair| !pair.holds(start))
         .count();
-    let r = if graph.goal().pairs.is_empty() && n == 0 {
+    let r = if graph.goal().pairs.is_empty() {
         2
     } else {
         open

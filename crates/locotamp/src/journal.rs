@@ -1,0 +1,331 @@
+//! The journal of a search: one JSON object per line and answer, so that a run that was killed goes on without asking again.
+//!
+//! A search is a function of scene, options, seed and the answers that it gets. The journal keeps the answers by content:
+//! `state` (is there a configuration with these contacts), `prefix` (are there keyframes of this beginning) and `sequence`
+//! (how far a complete sequence got). Format: docs/journal-format.md.
+
+use crate::api::Error;
+use ocp::Point;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fs::{File, OpenOptions};
+use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
+
+/// Contacts per phase, "a on b" or "a holds b".
+pub type States = Vec<Vec<String>>;
+
+/// Version of the format.
+const FORMAT: &str = "locotamp.journal/1";
+
+/// The first line.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Header {
+    /// Version of the format.
+    pub format: String,
+    /// Name of the scene.
+    pub scene: String,
+    /// Name of the search policy.
+    pub search: String,
+    /// Seed of every random choice.
+    pub seed: u64,
+    /// Hash of scene and options: the journal of another problem is refused.
+    pub fingerprint: String,
+    /// Largest number of phases K_max.
+    pub max_phases: usize,
+}
+
+impl Header {
+    pub(crate) fn new(
+        scene: &str,
+        search: &str,
+        seed: u64,
+        content: &str,
+        max_phases: usize,
+    ) -> Self {
+        Self {
+            format: FORMAT.into(),
+            scene: scene.into(),
+            search: search.into(),
+            seed,
+            fingerprint: fingerprint(content),
+            max_phases,
+        }
+    }
+}
+
+/// Whether contacts are possible, and why not.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Answer {
+    /// Contacts of the state, or of every phase of the beginning.
+    pub states: States,
+    /// Nothing speaks against them.
+    pub possible: bool,
+    /// What does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+    /// Time that the answer took [s].
+    pub seconds: f64,
+}
+
+/// A complete sequence that was tried.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Tried {
+    /// Its number, from 1.
+    pub number: usize,
+    /// Seconds since the search began.
+    pub at: f64,
+    /// What changes on entering each phase.
+    pub labels: Vec<String>,
+    /// Contacts per phase.
+    pub states: States,
+    /// `keyframes`, `alike`, `optimised` or `feasible`.
+    pub reached: String,
+    /// Why it got no further.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+    /// Cost of the motion.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cost: Option<f64>,
+    /// Phase in which the motion failed, from 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub failed_phase: Option<usize>,
+    /// Largest violation (scaled rows) of the motion.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub violation: Option<f64>,
+    /// Iterations of the optimiser.
+    pub iterations: usize,
+    /// Time of the optimiser [s].
+    pub seconds: f64,
+    /// What the search was told, between 0 and 1.
+    pub reward: f64,
+    /// The motion, if it is feasible or the best so far.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub point: Option<PointEntry>,
+}
+
+/// [`Point`] as it is written.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PointEntry {
+    nodes: Vec<Vec<f64>>,
+    wrenches: Vec<Vec<f64>>,
+    velocities: Vec<Vec<f64>>,
+    durations: Vec<f64>,
+}
+
+impl From<&Point> for PointEntry {
+    fn from(point: &Point) -> Self {
+        Self {
+            nodes: point.nodes.clone(),
+            wrenches: point.wrenches.clone(),
+            velocities: point.velocities.clone(),
+            durations: point.durations.clone(),
+        }
+    }
+}
+
+impl From<PointEntry> for Point {
+    fn from(entry: PointEntry) -> Self {
+        Self {
+            nodes: entry.nodes,
+            wrenches: entry.wrenches,
+            velocities: entry.velocities,
+            durations: entry.durations,
+        }
+    }
+}
+
+/// One line.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+enum Line {
+    Run(Header),
+    State(Answer),
+    Prefix(Answer),
+    Sequence(Tried),
+}
+
+/// Answers of this run and of the one that it continues.
+#[derive(Debug, Default)]
+pub(crate) struct Journal {
+    file: Option<File>,
+    states: BTreeMap<States, Answer>,
+    prefixes: BTreeMap<States, Answer>,
+    sequences: BTreeMap<States, Tried>,
+}
+
+impl Journal {
+    /// Opens the journal at `path`: a new one, or with `resume` the one that is there, whose answers are read.
+    ///
+    /// # Errors
+    /// If the file cannot be used, or is of another problem.
+    pub fn open(path: &Path, resume: bool, header: &Header) -> Result<Self, Error> {
+        let failed = |reason: String| Error::Journal {
+            path: path.display().to_string(),
+            reason,
+        };
+        let mut journal = Self::default();
+        let mut whole = 0;
+        let known = resume && path.exists();
+        if known {
+            whole = journal.read(path, header).map_err(failed)?;
+        }
+        let file = OpenOptions::new()
+            .create(true)
+            .write(true)
+            .truncate(!known)
+            .open(path);
+        let file = file.map_err(|error| failed(error.to_string()))?;
+        if known {
+            // What was being written when the run was killed goes.
+            file.set_len(whole)
+                .map_err(|error| failed(error.to_string()))?;
+        }
+        drop(file);
+        let file = OpenOptions::new().append(true).open(path);
+        journal.file = Some(file.map_err(|error| failed(error.to_string()))?);
+        if whole == 0 {
+            journal.write(&Line::Run(header.clone()));
+        }
+        Ok(journal)
+    }
+
+    /// Reads all whole lines; their length in bytes.
+    fn read(&mut self, path: &Path, header: &Header) -> Result<u64, String> {
+        let file = File::open(path).map_err(|error| error.to_string())?;
+        let mut reader = BufReader::new(file);
+        let (mut whole, mut number) = (0, 0);
+        loop {
+            let mut text = String::new();
+            let read = reader
+                .read_line(&mut text)
+                .map_err(|error| error.to_string())?;
+            if read == 0 || !text.ends_with('\n') {
+                return Ok(whole);
+            }
+            number += 1;
+            let line: Line = serde_json::from_str(&text)
+                .map_err(|error| format!("line {number} is no line of a journal: {error}"))?;
+            match line {
+                Line::Run(found) if found != *header => {
+                    return Err(format!(
+                        "it is of another run (scene {}, search {}, seed {}, fingerprint {}; now {}, {}, {}, {}): start \
+                         without resuming, or in another folder",
+                        found.scene,
+                        found.search,
+                        found.seed,
+                        found.fingerprint,
+                        header.scene,
+                        header.search,
+                        header.seed,
+                        header.fingerprint
+                    ));
+                }
+                Line::Run(_) => {}
+                Line::State(answer) => {
+                    self.states.insert(answer.states.clone(), answer);
+                }
+                Line::Prefix(answer) => {
+                    self.prefixes.insert(answer.states.clone(), answer);
+                }
+                Line::Sequence(tried) => {
+                    self.sequences.insert(tried.states.clone(), tried);
+                }
+            }
+            if number == 1 && self.sequences.len() + self.states.len() + self.prefixes.len() > 0 {
+                return Err("its first line does not say of which run it is".into());
+            }
+            whole += read as u64;
+        }
+    }
+
+    /// A disk that is full does not end a search: the journal just ends.
+    fn write(&mut self, line: &Line) {
+        if let (Some(file), Ok(mut text)) = (&mut self.file, serde_json::to_string(line)) {
+            text.push('\n');
+            if file.write_all(text.as_bytes()).is_err() {
+                self.file = None;
+            }
+        }
+    }
+
+    pub fn state(&self, states: &States) -> Option<&Answer> {
+        self.states.get(states)
+    }
+
+    pub fn note_state(&mut self, answer: Answer) {
+        self.states.insert(answer.states.clone(), answer.clone());
+        self.write(&Line::State(answer));
+    }
+
+    pub fn prefix(&self, states: &States) -> Option<&Answer> {
+        self.prefixes.get(states)
+    }
+
+    pub fn note_prefix(&mut self, answer: Answer) {
+        self.prefixes.insert(answer.states.clone(), answer.clone());
+        self.write(&Line::Prefix(answer));
+    }
+
+    /// What is known of a sequence from the run that is continued.
+    pub fn take_sequence(&mut self, states: &States) -> Option<Tried> {
+        self.sequences.remove(states)
+    }
+
+    pub fn note_sequence(&mut self, tried: Tried) {
+        self.write(&Line::Sequence(tried));
+    }
+}
+
+/// A hash of a text (FNV-1a; Fowler, Noll, Vo), the same on every platform.
+fn fingerprint(text: &str) -> String {
+    let step = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+    format!("{:016x}", text.bytes().fold(0xcbf2_9ce4_8422_2325, step))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn header(content: &str) -> Header {
+        Header::new("scene", "tree", 3, content, 13)
+    }
+
+    fn answer(name: &str) -> Answer {
+        Answer {
+            states: vec![vec![name.to_owned()]],
+            possible: false,
+            reason: Some("too far".into()),
+            seconds: 0.25,
+        }
+    }
+
+    #[test]
+    fn a_half_written_line_is_dropped_and_the_rest_known_again() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("journal.jsonl");
+        let mut journal = Journal::open(&path, false, &header("x")).expect("a new journal");
+        journal.note_state(answer("one"));
+        journal.note_prefix(answer("two"));
+        drop(journal);
+        let text = std::fs::read_to_string(&path).expect("text");
+        std::fs::write(&path, format!("{text}{{\"kind\":\"sta")).expect("written");
+        let mut again = Journal::open(&path, true, &header("x")).expect("the same run");
+        assert_eq!(again.state(&answer("one").states), Some(&answer("one")));
+        assert_eq!(again.prefix(&answer("two").states), Some(&answer("two")));
+        again.note_state(answer("three"));
+        let lines = std::fs::read_to_string(&path).expect("text");
+        assert_eq!(lines.lines().count(), 4);
+        Journal::open(&path, true, &header("x")).expect("still a journal");
+    }
+
+    #[test]
+    fn the_journal_of_another_problem_is_refused_and_without_resuming_overwritten() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("journal.jsonl");
+        drop(Journal::open(&path, false, &header("x")));
+        let error = Journal::open(&path, true, &header("y")).expect_err("another scene");
+        assert!(error.to_string().contains("of another run"), "{error}");
+        Journal::open(&path, false, &header("y")).expect("a new one");
+    }
+}

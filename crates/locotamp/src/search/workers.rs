@@ -1,0 +1,143 @@
+//! Threads that optimise motions. Each job stands for itself, so that results do not depend on how many threads there are.
+
+use crate::api::Event;
+use crate::journal::PointEntry;
+use crate::{export, summary};
+use ocp::{Motion, Phase, Planner, Point, Relative, Settings};
+use plan::Plan;
+use solver::Iteration;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex};
+use std::thread::Scope;
+use std::time::Instant;
+
+/// A sequence whose keyframes exist.
+pub(super) struct Job {
+    pub number: usize,
+    pub labels: Vec<String>,
+    pub phases: Vec<Phase>,
+    pub from: From,
+}
+
+/// What the motion starts from.
+pub(super) enum From {
+    /// Keyframes, or, if there is one, first the motion of a relative.
+    Keyframes(Vec<Vec<f64>>, Option<Arc<Relative>>),
+    /// It is known.
+    Known(PointEntry),
+}
+
+/// What became of a job.
+pub(super) struct Evaluated {
+    pub feasible: bool,
+    pub cost: f64,
+    pub violation: f64,
+    pub iterations: usize,
+    pub seconds: f64,
+    pub reason: Option<String>,
+    /// Phase of the most violated row, from 0.
+    pub worst_phase: Option<usize>,
+    pub point: Point,
+    /// Of a feasible motion.
+    pub plan: Option<Plan>,
+    pub relative: Option<Arc<Relative>>,
+}
+
+/// News from a worker.
+pub(super) enum Message {
+    Event(Event),
+    Done(usize, Box<Evaluated>),
+}
+
+/// The threads' end of the work, and when it ends.
+pub(super) struct Workers {
+    jobs: Sender<Job>,
+    pub messages: Receiver<Message>,
+}
+
+/// What all threads share.
+#[derive(Clone, Copy)]
+pub(super) struct Shop<'a> {
+    pub planner: &'a Planner<'a>,
+    pub settings: &'a Settings,
+    /// Set to make all motions end at their next iteration.
+    pub stop: &'a AtomicBool,
+    pub begin: Instant,
+    pub time_limit: f64,
+}
+
+impl Workers {
+    /// Starts threads that end when this value is dropped.
+    pub fn start<'scope, 'a: 'scope>(
+        scope: &'scope Scope<'scope, '_>,
+        count: usize,
+        shop: Shop<'a>,
+    ) -> Self {
+        let (jobs, inbox) = channel::<Job>();
+        let (sender, messages) = channel();
+        let inbox = Arc::new(Mutex::new(inbox));
+        for _ in 0..count {
+            let (inbox, sender) = (inbox.clone(), sender.clone());
+            scope.spawn(move || {
+                loop {
+                    let job = inbox.lock().ok().and_then(|inbox| inbox.recv().ok());
+                    let Some(job) = job else { return };
+                    let number = job.number;
+                    let done = shop.evaluate(job, &sender);
+                    if sender.send(Message::Done(number, Box::new(done))).is_err() {
+                        return;
+                    }
+                }
+            });
+        }
+        Self { jobs, messages }
+    }
+
+    pub fn submit(&self, job: Job) {
+        // The threads live as long as `self`.
+        let _ = self.jobs.send(job);
+    }
+}
+
+impl Shop<'_> {
+    fn evaluate(self, job: Job, sender: &Sender<Message>) -> Evaluated {
+        let mut watch = |i: &Iteration| {
+            let event = Event::Iteration {
+                number: job.number,
+                iteration: i.number,
+                violation: i.violation,
+                objective: i.objective,
+            };
+            let heard = sender.send(Message::Event(event)).is_ok();
+            let late = self.begin.elapsed().as_secs_f64() > self.time_limit;
+            heard && !late && !self.stop.load(Ordering::SeqCst)
+        };
+        let (planner, settings, phases) = (self.planner, self.settings, &job.phases);
+        let mut motion = match job.from {
+            From::Known(point) => planner.restore(phases, settings, point.into()),
+            From::Keyframes(nodes, relative) => {
+                let near =
+                    relative.and_then(|r| planner.motion_from(phases, settings, &r, &mut watch));
+                near.unwrap_or_else(|| planner.motion(phases, settings, &nodes, &mut watch))
+            }
+        };
+        self.report(&job.labels, &mut motion)
+    }
+
+    fn report(self, labels: &[String], motion: &mut Motion) -> Evaluated {
+        let scene = self.planner.scene;
+        Evaluated {
+            feasible: motion.feasible,
+            cost: motion.report.objective,
+            violation: motion.report.violation,
+            iterations: motion.iterations,
+            seconds: motion.seconds,
+            reason: summary::resistance(scene, motion),
+            worst_phase: motion.worst.as_ref().map(|w| w.phase),
+            point: motion.point.clone(),
+            plan: motion.feasible.then(|| export::plan(scene, labels, motion)),
+            relative: motion.feasible.then(|| Arc::new(motion.relative())),
+        }
+    }
+}

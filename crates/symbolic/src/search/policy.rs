@@ -1,0 +1,35 @@
+//! What every search offers, so that they can be exchanged.
+
+use crate::contact::ContactState;
+use crate::graph::SkeletonGraph;
+use crate::search::limits::Status;
+use crate::search::oracle::Oracle;
+use crate::search::sequence::Sequence;
+use crate::search::verdicts::{Counts, Rejected, Rejection};
+
+/// A search for contact sequences: which to try next.
+pub trait Policy {
+    /// The next complete sequence, none twice; `None` if the search ends or stops, see [`Policy::status`].
+    fn next(&mut self, oracle: &mut dyn Oracle) -> Option<Sequence>;
+
+    /// Takes note of what a returned sequence turned out to be worth: 0 nothing, 1 as good as can be.
+    fn learn(&mut self, _states: &[ContactState], _reward: f64) {}
+
+    /// Takes back what cannot be: from now on no sequence that contains it is returned.
+    fn reject(&mut self, what: Rejected, reason: String);
+
+    /// How far the search is.
+    fn status(&self) -> Status;
+
+    /// All rejections with their reasons, in the order in which they were found.
+    fn rejections(&self) -> &[Rejection];
+
+    /// Counts so far.
+    fn counts(&self) -> Counts;
+
+    /// Largest number of phases K_max.
+    fn max_phases(&self) -> usize;
+
+    /// The graph.
+    fn graph(&self) -> &SkeletonGraph;
+}
