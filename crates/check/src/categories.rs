@@ -115,7 +115,7 @@ const fn same(tolerance: f64) -> (f64, f64) {
 
 /// All categories, in the order of [`Category`].
 #[rustfmt::skip]
-pub(crate) static SPECS: [Spec; 48] = [
+pub(crate) static SPECS: [Spec; 49] = [
     spec(C::Schema, "schema", "sizes, numbers, names, types and kinds that do not agree (count)", "", same(0.0), Fail),
     spec(C::Quaternion, "quaternion", "| |quaternion| - 1 |", "", same(1e-5), Fail),
     spec(C::TimeGrid, "time_grid", "time[t+1] - time[t] vs duration / steps; durations > 0", "s", same(1e-6), Fail),
