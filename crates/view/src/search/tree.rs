@@ -136,6 +136,24 @@ pub(crate) fn build(journal: &Journal) -> Tree {
     tree
 }
 
+/// Texts that occur often, each once.
+#[derive(Default)]
+struct Reasons {
+    texts: Vec<String>,
+    known: BTreeMap<String, usize>,
+}
+
+impl Reasons {
+    fn index(&mut self, text: Option<&String>) -> Option<usize> {
+        let text = text?;
+        let index = *self.known.entry(text.clone()).or_insert(self.texts.len());
+        if index == self.texts.len() {
+            self.texts.push(text.clone());
+        }
+        Some(index)
+    }
+}
+
 #[expect(
     clippy::trivially_copy_pass_by_ref,
     reason = "serde asks with a reference"
