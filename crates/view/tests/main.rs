@@ -123,7 +123,10 @@ fn the_same_plan_gives_the_same_page_and_figures() {
         name: "it",
         plan: &plan,
     }];
-    let options = FigureOptions::default();
+    let options = FigureOptions {
+        snapshots: 2,
+        ..FigureOptions::default()
+    };
     assert_eq!(
         figures(&named, &options).unwrap(),
         figures(&named, &options).unwrap()
