@@ -87,6 +87,9 @@ pub struct Tried {
     /// Cost of the motion.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cost: Option<f64>,
+    /// Cost that its keyframes promised, if it was optimised.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub promise: Option<f64>,
     /// Phase in which the motion failed, from 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub failed_phase: Option<usize>,

@@ -26,7 +26,7 @@ const STATE_GUESSES: [(f64, f64, f64); 8] = [
 ];
 /// First guess of a phase's duration [s].
 const DURATION: f64 = 0.7;
-/// The same of a phase without contacts of the robot.
+/// The same of a phase without contacts of the robot, and of one between another phase and a flight: a push is short.
 const FLIGHT: f64 = 0.35;
 
 /// One configuration per phase boundary: the start posture, objects on their supports or between them, the base moved
@@ -234,7 +234,9 @@ pub fn point(program: &Program, scene: &Scene, mut nodes: Vec<Vec<f64>>) -> Poin
     let durations = match program.grid {
         crate::Grid::Motion => {
             let flights = flights(program, scene);
-            let durations = flights.iter().map(|&f| if f { FLIGHT } else { DURATION });
+            let is_flight = |k: usize| flights.get(k) == Some(&true);
+            let push = |k: usize| k > 0 && (is_flight(k) || is_flight(k + 1));
+            let durations = (0..flights.len()).map(|k| if push(k) { FLIGHT } else { DURATION });
             let durations: Vec<f64> = durations.map(|d| d.clamp(shortest, longest)).collect();
             rise_in_flight(program, scene, &flights, &durations, &mut nodes);
             durations

@@ -139,6 +139,7 @@ fn all_cases() -> Vec<Case> {
         files::cases(),
         states::cases(),
         dynamics::cases(),
+        dynamics::speed_cases(),
         dynamics::object_cases(),
         contacts::cases(),
         sliding::cases(),

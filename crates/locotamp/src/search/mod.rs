@@ -34,6 +34,12 @@ const START_OVERLAP: f64 = 0.005;
 const DIFFERENT_AT_END: usize = 2;
 /// Sequences that are under evaluation at once. Part of what decides which sequence comes next, hence no option.
 const IN_FLIGHT: usize = 4;
+/// Sequences drawn for each that is optimised.
+const DRAWS: usize = 4;
+/// What a phase adds to the cost that keyframes promise: its time, at about half a second.
+const PHASE: f64 = 0.5;
+/// What the cost of keyframes counts for: a phase costs as much as sixteen of its nodes.
+const STRAIN: f64 = 16.0;
 /// Height by which a motion may end above its keyframes [m]: those are near the home posture at the end, motions stretch.
 const HEIGHT_ROOM: f64 = 0.12;
 /// Motions that others may start from.
@@ -108,6 +114,8 @@ pub fn plan(
             checks,
             workers,
             observe,
+            drawn: 0,
+            waiting: vec![],
             under_way: VecDeque::new(),
             results: BTreeMap::new(),
             rewards: Rewards::default(),
@@ -166,7 +174,19 @@ pub(crate) fn settings(scene: &Scene, request: &Request) -> Result<Settings, Err
 struct UnderWay {
     number: usize,
     sequence: Sequence,
+    promise: f64,
     /// What is known of it from the run that is continued.
+    known: Option<Tried>,
+}
+
+/// A sequence whose keyframes exist.
+struct Candidate {
+    number: usize,
+    sequence: Sequence,
+    /// The cost to expect.
+    promise: f64,
+    /// `None` if it is known that there is no motion.
+    from: Option<From>,
     known: Option<Tried>,
 }
 
@@ -186,6 +206,10 @@ struct Run<'a> {
     checks: Checks<'a>,
     workers: Workers,
     observe: &'a mut dyn FnMut(&Event) -> bool,
+    /// Number of sequences drawn from the policy.
+    drawn: usize,
+    /// Sequences that wait for their turn.
+    waiting: Vec<Candidate>,
     under_way: VecDeque<UnderWay>,
     /// Results that came before their turn.
     results: BTreeMap<usize, Box<Evaluated>>,
@@ -202,14 +226,13 @@ struct Run<'a> {
 impl Run<'_> {
     /// Tries sequences until enough plans are found; says why it ended.
     fn search(&mut self) -> String {
-        let (mut number, mut ended) = (0, None);
+        let mut ended = None;
         loop {
             if let Some(reason) = self.is_over() {
                 return reason;
             }
             if ended.is_none() && self.under_way.len() < IN_FLIGHT {
-                number += 1;
-                if !self.propose(number) {
+                if !self.propose() {
                     ended = Some(self.exhausted());
                 }
             } else if let Some(next) = self.under_way.pop_front() {
@@ -260,8 +283,56 @@ impl Run<'_> {
         self.request.stop.is_set() || self.shop.stop.load(Ordering::SeqCst)
     }
 
-    /// Has the next sequence checked by keyframes and optimised; false if there is none.
-    fn propose(&mut self, number: usize) -> bool {
+    /// Has the next sequence optimised; false if there is none.
+    ///
+    /// A few sequences are drawn, and of all that wait the one whose keyframes promise the lowest cost is taken: postures at
+    /// the edge of reach cost a lot, and make the optimiser's work hard.
+    fn propose(&mut self) -> bool {
+        let (mut drawn, mut more) = (0, true);
+        while more && (drawn < DRAWS || self.waiting.is_empty()) && !self.is_stopped() {
+            self.drawn += 1;
+            more = self.draw(self.drawn);
+            drawn += 1;
+        }
+        let promise = |c: &Candidate| (c.promise, c.number);
+        let order = |a: &Candidate, b: &Candidate| promise(a).partial_cmp(&promise(b));
+        let least = (0..self.waiting.len()).min_by(|&a, &b| {
+            order(&self.waiting[a], &self.waiting[b]).unwrap_or(std::cmp::Ordering::Equal)
+        });
+        let Some(Candidate {
+            number,
+            sequence,
+            promise,
+            from,
+            known,
+        }) = least.map(|n| self.waiting.remove(n))
+        else {
+            return more;
+        };
+        match (from, &known) {
+            (Some(from), _) => self.workers.submit(Job {
+                number,
+                labels: sequence.labels.clone(),
+                phases: self.phases(&sequence),
+                from,
+            }),
+            (None, Some(known)) => {
+                let done = Evaluated::remembered(known);
+                self.results.insert(number, Box::new(done));
+            }
+            (None, None) => unreachable!("what is not known starts from keyframes"),
+        }
+        self.under_way.push_back(UnderWay {
+            number,
+            sequence,
+            promise,
+            known,
+        });
+        true
+    }
+
+    /// Checks the next sequence by keyframes, to wait for its turn if it passes; false if there is none.
+    fn draw(&mut self, number: usize) -> bool {
         let Some(sequence) = self.policy.next(&mut self.checks) else {
             return false;
         };
@@ -282,52 +353,58 @@ impl Run<'_> {
             self.leave_out(number, &sequence, Reached::Alike, Some(reason), started);
             return true;
         }
-        let phases = self.phases(&sequence);
-        let from = match known.as_ref().and_then(|k| k.point.clone()) {
-            Some(point) => Some(From::Known(point)),
-            None if known.is_some() => None,
-            None => {
-                let keyframes = self.shop.planner.keyframes(&phases, self.shop.settings);
-                let reason = keyframes
-                    .worst
-                    .as_ref()
-                    .filter(|_| !keyframes.possible)
-                    .map(|w| summary::words(self.shop.planner.scene, w));
-                self.tell(&Event::Keyframes {
-                    number,
-                    possible: keyframes.possible,
-                    reason: reason.clone(),
-                });
-                if !keyframes.possible {
-                    self.reject_prefix(&sequence, &phases);
-                    self.leave_out(number, &sequence, Reached::Keyframes, reason, started);
-                    return true;
-                }
-                if let Some(reason) = self.too_low(&keyframes.nodes) {
-                    self.leave_out(number, &sequence, Reached::Keyframes, Some(reason), started);
-                    return true;
-                }
-                let relative = nearest(&self.relatives, &phases);
-                Some(From::Keyframes(keyframes.nodes, relative))
-            }
-        };
-        match from {
-            Some(from) => {
-                self.workers.submit(Job {
-                    number,
-                    labels: sequence.labels.clone(),
-                    phases,
-                    from,
-                });
-                self.under_way.push_back(UnderWay {
-                    number,
-                    sequence,
-                    known,
-                });
-            }
-            None => self.again(number, &sequence, known),
+        if known.as_ref().is_some_and(|k| k.promise.is_none()) {
+            self.again(number, &sequence, known);
+            return true;
         }
+        let phases = self.phases(&sequence);
+        let (promise, from) = match known.as_ref().and_then(|k| k.promise) {
+            Some(promise) => (promise, None),
+            None => match self.keyframes(number, &sequence, &phases, started) {
+                Some((promise, from)) => (promise, Some(from)),
+                None => return true,
+            },
+        };
+        let point = known.as_ref().and_then(|k| k.point.clone());
+        self.waiting.push(Candidate {
+            number,
+            sequence,
+            promise,
+            from: point.map(From::Known).or(from),
+            known,
+        });
         true
+    }
+
+    /// The cost that keyframes promise, and a start for the motion; `None` if they are impossible or promise too little.
+    fn keyframes(
+        &mut self,
+        number: usize,
+        sequence: &Sequence,
+        phases: &[Phase],
+        started: Instant,
+    ) -> Option<(f64, From)> {
+        let keyframes = self.shop.planner.keyframes(phases, self.shop.settings);
+        let possible = keyframes.possible;
+        let worst = keyframes.worst.as_ref().filter(|_| !possible);
+        let reason = worst.map(|w| summary::words(self.shop.planner.scene, w));
+        self.tell(&Event::Keyframes {
+            number,
+            possible,
+            reason: reason.clone(),
+        });
+        if !possible {
+            self.reject_prefix(sequence, phases);
+            self.leave_out(number, sequence, Reached::Keyframes, reason, started);
+            return None;
+        }
+        if let Some(reason) = self.too_low(&keyframes.nodes) {
+            self.leave_out(number, sequence, Reached::Keyframes, Some(reason), started);
+            return None;
+        }
+        let promise = STRAIN * keyframes.report.objective + PHASE * phases.len() as f64;
+        let relative = nearest(&self.relatives, phases);
+        Some((promise, From::Keyframes(keyframes.nodes, relative)))
     }
 
     /// Takes over what is known of a sequence that has no motion.
@@ -420,6 +497,7 @@ impl Run<'_> {
         let UnderWay {
             number,
             sequence,
+            promise,
             known,
         } = from;
         let late = self.shop.begin.elapsed().as_secs_f64() > self.request.time_limit;
@@ -430,7 +508,7 @@ impl Run<'_> {
         } else {
             Reached::Optimised
         };
-        let best = self.best.as_ref().is_none_or(|best| {
+        let better = self.best.as_ref().is_none_or(|best| {
             let now = (!feasible, if feasible { done.cost } else { done.violation });
             let before = if best.feasible {
                 (false, best.cost)
@@ -439,6 +517,7 @@ impl Run<'_> {
             };
             now < before
         });
+        let best = better && !done.point.nodes.is_empty();
         self.tell(&Event::Optimised {
             number,
             feasible,
@@ -453,10 +532,10 @@ impl Run<'_> {
         {
             self.failures.failed(number, &sequence.states, phase);
         }
-        let reward = if feasible {
-            self.rewards.of_plan(done.cost)
-        } else {
-            Rewards::of_failure(done.violation)
+        let reward = match (feasible, &known) {
+            (true, _) => self.rewards.of_plan(done.cost),
+            (false, Some(known)) => known.reward,
+            (false, None) => Rewards::of_failure(done.violation),
         };
         let attempt = Attempt {
             number,
@@ -471,7 +550,7 @@ impl Run<'_> {
             self.policy.learn(&sequence.states, reward);
             self.attempts.push(attempt);
         } else if whole {
-            self.conclude(&sequence, attempt, reward, Some((&done, best)));
+            self.conclude(&sequence, attempt, reward, Some((&done, best, promise)));
         }
         if feasible {
             self.relatives.extend(done.relative);
@@ -517,9 +596,9 @@ impl Run<'_> {
         sequence: &Sequence,
         attempt: Attempt,
         reward: f64,
-        done: Option<(&Evaluated, bool)>,
+        done: Option<(&Evaluated, bool, f64)>,
     ) {
-        let keep = |(done, best): (&Evaluated, bool)| {
+        let keep = |(done, best, _): (&Evaluated, bool, f64)| {
             (done.feasible || best).then(|| (&done.point).into())
         };
         self.policy.learn(&sequence.states, reward);
@@ -536,8 +615,9 @@ impl Run<'_> {
             reached: name(attempt.reached).into(),
             reason: attempt.reason.clone(),
             cost: attempt.cost,
-            failed_phase: done.and_then(|(done, _)| done.worst_phase),
-            violation: done.map(|(done, _)| done.violation),
+            promise: done.map(|(_, _, promise)| promise),
+            failed_phase: done.and_then(|(done, ..)| done.worst_phase),
+            violation: done.map(|(done, ..)| done.violation),
             iterations: attempt.iterations,
             seconds: attempt.seconds,
             reward,

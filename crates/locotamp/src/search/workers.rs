@@ -1,7 +1,7 @@
 //! Threads that optimise motions. Each job stands for itself, so that results do not depend on how many threads there are.
 
 use crate::api::Event;
-use crate::journal::PointEntry;
+use crate::journal::{PointEntry, Tried};
 use crate::{export, summary};
 use ocp::{Motion, Phase, Planner, Point, Relative, Settings};
 use plan::Plan;
@@ -42,6 +42,29 @@ pub(super) struct Evaluated {
     /// Of a feasible motion.
     pub plan: Option<Plan>,
     pub relative: Option<Arc<Relative>>,
+}
+
+impl Evaluated {
+    /// What the journal says of a sequence without a motion; no point.
+    pub fn remembered(known: &Tried) -> Self {
+        Self {
+            feasible: false,
+            cost: known.cost.unwrap_or(f64::INFINITY),
+            violation: known.violation.unwrap_or(f64::INFINITY),
+            iterations: known.iterations,
+            seconds: known.seconds,
+            reason: known.reason.clone(),
+            worst_phase: known.failed_phase,
+            point: Point {
+                nodes: vec![],
+                wrenches: vec![],
+                velocities: vec![],
+                durations: vec![],
+            },
+            plan: None,
+            relative: None,
+        }
+    }
 }
 
 /// News from a worker.

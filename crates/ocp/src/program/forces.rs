@@ -191,7 +191,8 @@ impl Builder<'_> {
         }
     }
 
-    /// Largest force of a contact that bears the robot or an object near the phases where it comes or goes [N].
+    /// Largest force of a contact that bears the robot or an object near the phases where it comes or goes [N]. At the beginning
+    /// and end of a flight no other contact takes the load over, so there it comes and goes at once.
     fn ramp(&self, t: usize, contact: Contact, phases: &[Phase]) -> f64 {
         let p = &self.program;
         let (a, b) = (
@@ -208,8 +209,16 @@ impl Builder<'_> {
         let here = 0.5 * (along[t] + along[t + 1]);
         let n = p.n_intervals();
         let active = |t: usize| phases[p.phase_of(t)].state.contains(&contact);
+        let flies = |t: usize| {
+            let mut contacts = phases[p.phase_of(t)].state.contacts.iter();
+            let owner = |i: symbolic::InterfaceId| self.scene.interfaces[i.0].owner;
+            let robot = |i| matches!(owner(i), Owner::Robot { .. });
+            !contacts.any(|c| robot(c.a) || robot(c.b))
+        };
         let came = (1..=t).rev().find(|&i| !active(i - 1));
+        let came = came.filter(|&i| !flies(i - 1));
         let goes = (t + 1..n).find(|&i| !active(i));
+        let goes = goes.filter(|&i| !flies(i));
         let apart = came
             .into_iter()
             .chain(goes)
