@@ -75,6 +75,8 @@ export class Transport {
 /** Keys of the whole page; those of a focused select stay its own. */
 export function listen(player: Player, actions: Actions, isShown: () => boolean): void {
   const layers: Record<string, Parameters<Actions["layer"]>[0]> = { w: "forces", k: "cones", c: "contacts", m: "path", g: "ghost", f: "follow" };
+  // A button that was clicked keeps no focus, so that the space bar goes on to play and pause.
+  document.addEventListener("pointerup", () => { if (document.activeElement instanceof HTMLButtonElement) document.activeElement.blur(); });
   document.addEventListener("keydown", (event) => {
     if (!isShown()) return;
     const target = event.target as HTMLElement;

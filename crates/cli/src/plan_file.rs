@@ -30,9 +30,12 @@ pub(crate) fn names(paths: &[PathBuf]) -> Vec<String> {
     let unique = |name: &String| short.iter().filter(|x| *x == name).count() == 1;
     let named = paths.iter().zip(&short);
     named
-        .map(|(path, name)| match unique(name) {
-            true => name.clone(),
-            false => path.display().to_string(),
+        .map(|(path, name)| {
+            if unique(name) {
+                name.clone()
+            } else {
+                path.display().to_string()
+            }
         })
         .collect()
 }

@@ -1,26 +1,22 @@
 //! What a joint can give in an interval: its torque limit, less at speed where the plan says so.
 //!
-//! Source: `docs/plan-format.md`, "Torque at speed". The key is read from the plan's JSON, so a plan without it, or of a
-//! version that does not know it, has constant limits.
+//! Source: `docs/plan-format.md`, "Torque at speed".
 
 use crate::motion::Motion;
-use plan::Integrator;
-use serde_json::Value;
+use plan::{Integrator, TorqueSpeed};
 
 /// Torque limits of all joints of a plan.
 pub(crate) struct TorqueLimits {
     /// Per joint of the plan: largest torque [N m] and whether the plan enforces it; `None`: unlimited.
     pub largest: Vec<Option<(f64, bool)>>,
-    /// Per joint: from the first speed on it drives with less, at the second with nothing [rad/s].
-    at_speed: Vec<Option<[f64; 2]>>,
+    /// Per joint how its torque falls with speed; `None`: not at all.
+    at_speed: Vec<Option<TorqueSpeed>>,
 }
 
 impl TorqueLimits {
     /// The limits that the plan enforces, where it does not those of the URDF.
     pub fn new(motion: &Motion) -> Self {
         let robot = &motion.plan.robot;
-        let json = serde_json::to_value(robot).unwrap_or(Value::Null);
-        let speed = |joint: &String, key: &str| json["torque_speed"][joint][key].as_f64();
         let largest = robot.joints.iter().enumerate().map(|(j, joint)| {
             let enforced = robot.torque_limits.as_ref().and_then(|limits| limits[j]);
             let rated = || {
@@ -30,10 +26,8 @@ impl TorqueLimits {
             };
             enforced.map(|limit| (limit, true)).or_else(rated)
         });
-        let at_speed = robot
-            .joints
-            .iter()
-            .map(|joint| Some([speed(joint, "corner")?, speed(joint, "max")?]));
+        let at_speed = robot.joints.iter();
+        let at_speed = at_speed.map(|joint| robot.torque_speed.get(joint).copied());
         Self {
             largest: largest.collect(),
             at_speed: at_speed.collect(),
@@ -43,7 +37,7 @@ impl TorqueLimits {
     /// The limit of joint `j` in interval `t` [N m].
     pub fn at(&self, motion: &Motion, j: usize, t: usize) -> Option<f64> {
         let (largest, enforced) = self.largest[j]?;
-        let Some([corner, max]) = self.at_speed[j].filter(|_| enforced) else {
+        let Some(TorqueSpeed { corner, max }) = self.at_speed[j].filter(|_| enforced) else {
             return Some(largest);
         };
         let plan = motion.plan;

@@ -123,7 +123,10 @@ fn the_same_plan_gives_the_same_page_and_figures() {
         name: "it",
         plan: &plan,
     }];
-    let options = FigureOptions::default();
+    let options = FigureOptions {
+        snapshots: 2,
+        ..FigureOptions::default()
+    };
     assert_eq!(
         figures(&named, &options).unwrap(),
         figures(&named, &options).unwrap()
@@ -167,11 +170,9 @@ fn what_cannot_be_shown_is_said_with_its_place() {
         "{text}"
     );
     let urdf = changed(|plan| {
-        plan["robot"]["urdf"] = plan["robot"]["urdf"]
-            .as_str()
-            .unwrap()
-            .replace("value=\"8\"", "value=\"heavy\"")
-            .into()
+        let text = plan["robot"]["urdf"].as_str().unwrap();
+        let text = text.replace("value=\"8\"", "value=\"heavy\"");
+        plan["robot"]["urdf"] = text.into();
     });
     assert!(
         message(&urdf).starts_with("it: robot.urdf: "),

@@ -52,7 +52,7 @@ function explanation(plan: Plan): HTMLElement | null {
 
 /** How much of each kind of limit is used at most, the scarcest first. */
 function uses(plan: Plan): Use[] {
-  const names: Record<string, string> = { friction: "Friction", cop: "Centre of pressure", torsion: "Torsional friction", torque: "Joint torque" };
+  const names: Record<string, string> = { friction: "Friction", cop: "Centre of pressure", torsion: "Torsional friction", torque: "Joint torque", torque_speed: "Torque at speed" };
   const found: Use[] = plan.raw.check.margins
     .filter((margin) => margin.node !== null)
     .map((margin) => ({ name: names[margin.limit] ?? margin.limit, detail: place(margin.what), share: margin.largest, node: margin.node! }));

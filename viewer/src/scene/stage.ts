@@ -127,7 +127,13 @@ export class Stage {
     const take = (root: THREE.Object3D) => root.traverse((part) => {
       if (part instanceof THREE.Mesh) this.take(new THREE.Box3().setFromObject(part));
     });
-    this.statics.forEach((group) => { group.updateMatrixWorld(true); take(group); });
+    // Static bodies that are never touched may stand outside of the picture.
+    const touched = new Set(plan.phases.flatMap((phase) => phase.contacts.flatMap(({ a, b }) => [a, b].map((i) => plan.raw.interfaces[i].body))));
+    this.statics.forEach((group, i) => {
+      if (!touched.has(plan.raw.environment[i].name)) return;
+      group.updateMatrixWorld(true);
+      take(group);
+    });
     const step = Math.max(1, Math.floor(plan.time.length / 12));
     for (let node = 0; node < plan.time.length; node += step) {
       this.place(node, 0);

@@ -18,6 +18,9 @@ export interface Node {
   seconds: number;
 }
 
+/** As it is in the file: reasons by their index, what is empty or zero left out. */
+type RawNode = Partial<Omit<Node, "reason">> & Pick<Node, "parent" | "value" | "reached" | "seconds"> & { reason?: number };
+
 export interface Sequence {
   number: number;
   node: number;
@@ -40,7 +43,8 @@ interface RawSearch {
   search: string;
   seed: number;
   max_phases: number;
-  nodes: Node[];
+  nodes: RawNode[];
+  reasons: string[];
   sequences: Sequence[];
   refused: { contacts: string[]; reason: string }[];
   asked: [[number, number], [number, number]];
@@ -58,19 +62,21 @@ export const STAGES: Record<Stage, { name: string; text: string }> = {
 
 /** A search, checked and indexed. */
 export class Search {
+  readonly nodes: Node[];
   readonly children: number[][];
   readonly roots: number[] = [];
   readonly sequenceOf = new Map<number, Sequence>();
   readonly plans: Plan[];
 
   constructor(readonly raw: RawSearch) {
-    for (const key of ["nodes", "sequences", "refused", "asked", "plans"] as const) {
+    for (const key of ["nodes", "reasons", "sequences", "refused", "asked", "plans"] as const) {
       if (!Array.isArray(raw[key])) throw new Error(`the search's list "${key}" is missing`);
     }
-    // What is empty or zero is left out in the file.
-    raw.nodes = raw.nodes.map((node) => ({ ...node, label: node.label ?? "", gained: node.gained ?? [], lost: node.lost ?? [], visits: node.visits ?? 0 }));
+    this.nodes = raw.nodes.map((node) => ({
+      label: "", gained: [], lost: [], visits: 0, ...node, reason: node.reason === undefined ? undefined : raw.reasons[node.reason],
+    }));
     this.children = raw.nodes.map(() => []);
-    raw.nodes.forEach((node, i) => {
+    this.nodes.forEach((node, i) => {
       if (node.parent === null) this.roots.push(i);
       else if (node.parent < i) this.children[node.parent].push(i);
       else throw new Error(`node ${i} comes before its parent ${node.parent}`);
@@ -85,13 +91,13 @@ export class Search {
   /** From the root to a node. */
   path(node: number): number[] {
     const path = [];
-    for (let at: number | null = node; at !== null; at = this.raw.nodes[at].parent) path.unshift(at);
+    for (let at: number | null = node; at !== null; at = this.nodes[at].parent) path.unshift(at);
     return path;
   }
 
   /** What changes on entering a node, in one line. */
   change(node: number): string {
-    const { gained, lost, parent, label } = this.raw.nodes[node];
+    const { gained, lost, parent, label } = this.nodes[node];
     if (parent === null) return label || "start";
     return [...gained.map((x) => `+ ${x}`), ...lost.map((x) => `− ${x}`)].join(", ") || label || "no change";
   }
@@ -111,7 +117,7 @@ export class Search {
       if (known) known.count += 1; else counts.set(kind, { count: 1, example: reason });
     };
     for (const refused of this.raw.refused) add("contacts", refused.reason || "impossible together");
-    for (const node of this.raw.nodes) if (node.reached === "refused") add("beginning", node.reason || "no configuration");
+    for (const node of this.nodes) if (node.reached === "refused") add("beginning", node.reason || "no configuration");
     for (const sequence of this.raw.sequences) if (sequence.reached !== "feasible") add(STAGES[sequence.reached].name, sequence.reason || "no reason given");
     return [...counts].map(([kind, rest]) => ({ kind, ...rest })).sort((x, y) => y.count - x.count);
   }
@@ -120,6 +126,6 @@ export class Search {
 /** A reason without amounts and phases: what comes before the subject, and the subject. */
 export function kindOf(reason: string): string {
   const first = reason.split(/[;\n]/)[0].replace(/,?\s*(in|at|of)? phase \d+.*$/, "");
-  const amount = /\s*(,| by| stay| would slip)?\s*[-−]?\d+(\.\d+)?(e[+-]?\d+)?\s?(mm|cm|m|N m|N|kg|s|%|°)?( (apart|tilted|over the edge|too close|missing|off))?(?=$|[ ,])/g;
-  return first.replace(amount, "").replace(/\s{2,}/g, " ").trim();
+  const amount = /(,| by| stay| would slip) [\d.]+(e[+-]?\d+)? ?(mm|cm|m|N m|N|kg|s|%|°)?( apart| tilted| over the edge| too close| off)?(?=$|[ ,])/g;
+  return first.replace(amount, "").replace(/: [\d.]+(e[+-]?\d+)? ?\S* (missing|off)/, ": $2").trim();
 }

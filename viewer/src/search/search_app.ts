@@ -79,8 +79,8 @@ export class SearchApp {
       return;
     }
     this.tree.select(node);
-    const { raw } = this.search;
-    const at = raw.nodes[node];
+    const { nodes } = this.search;
+    const at = nodes[node];
     const sequence = this.search.sequenceOf.get(node);
     const path = this.search.path(node);
     const play = sequence && sequence.plan !== null ? el("button", { class: "show", click: () => this.play(sequence.plan!) }, "▶ Show the motion") : null;
@@ -95,7 +95,7 @@ export class SearchApp {
       play ?? "", reason && at.reached !== "feasible" ? el("p", { class: "reason" }, plain(reason), el("small", {}, reason.replaceAll("_", " "))) : "",
       el("dl", { class: "facts" }, ...facts.flatMap(([name, value]) => [el("dt", {}, name), el("dd", {}, value)])),
       el("h3", {}, `Its ${path.length} phases`),
-      el("ol", { class: "path" }, ...path.map((i) => el("li", { class: i === node ? "here" : "" }, raw.nodes[i].label && i !== path[0] ? el("b", {}, `${raw.nodes[i].label}: `) : null, this.search.change(i)))),
+      el("ol", { class: "path" }, ...path.map((i) => el("li", { class: i === node ? "here" : "" }, nodes[i].label && i !== path[0] ? el("b", {}, `${nodes[i].label}: `) : null, this.search.change(i)))),
     );
   }
 
@@ -126,7 +126,7 @@ export class SearchApp {
         const key = this.selected >= 0 ? this.search.path(this.selected).map((i) => this.search.change(i)).join("|") : "";
         const next = new Search(await answer.json());
         this.show(next);
-        const again = next.raw.nodes.findIndex((_, i) => next.path(i).map((at) => next.change(at)).join("|") === key);
+        const again = next.nodes.findIndex((_, i) => next.path(i).map((at) => next.change(at)).join("|") === key);
         this.select(again >= 0 ? again : next.best?.node ?? -1);
       }
       window.setTimeout(() => this.poll(), POLL);

@@ -21,7 +21,7 @@ export class TreeView {
     this.query = el("input", { type: "search", placeholder: "Find contact, action or reason", "aria-label": "Find", input: () => this.draw() });
     const options = Object.entries(STAGES).map(([stage, { name }]) => el("option", { value: stage }, name));
     this.stage = el("select", { "aria-label": "Only what got to", change: () => this.draw() }, el("option", { value: "" }, "all"), ...options);
-    const all = el("button", { click: () => { this.search.raw.nodes.forEach((_, i) => this.open.add(this.key(i))); this.draw(); } }, "Open all");
+    const all = el("button", { click: () => { this.search.nodes.forEach((_, i) => this.open.add(this.key(i))); this.draw(); } }, "Open all");
     const none = el("button", { click: () => { this.open.clear(); this.draw(); } }, "Close all");
     this.root = el("div", { class: "tree" }, el("div", { class: "filter" }, this.query, this.stage, all, none, this.count), this.rows);
     this.rows.addEventListener("keydown", (event) => this.key_pressed(event));
@@ -60,13 +60,13 @@ export class TreeView {
   private busiest(): number {
     let at = this.search.roots[0] ?? -1;
     while (at >= 0 && this.search.children[at].length > 0) {
-      at = this.search.children[at].reduce((x, y) => (this.search.raw.nodes[y].visits > this.search.raw.nodes[x].visits ? y : x));
+      at = this.search.children[at].reduce((x, y) => (this.search.nodes[y].visits > this.search.nodes[x].visits ? y : x));
     }
     return at;
   }
 
   private matches(node: number): boolean {
-    const { label, reason, reached } = this.search.raw.nodes[node];
+    const { label, reason, reached } = this.search.nodes[node];
     if (this.stage.value && this.stage.value !== reached) return false;
     const words = this.query.value.toLowerCase().split(/\s+/).filter(Boolean);
     const text = `${this.search.change(node)} ${label} ${reason ? `${plain(reason)} ${reason.replaceAll("_", " ")}` : ""}`.toLowerCase();
@@ -78,7 +78,7 @@ export class TreeView {
     const shown = new Set<number>();
     let found = 0;
     if (filtering) {
-      this.search.raw.nodes.forEach((_, i) => {
+      this.search.nodes.forEach((_, i) => {
         if (!this.matches(i)) return;
         found += 1;
         this.search.path(i).forEach((at) => shown.add(at));
@@ -93,17 +93,17 @@ export class TreeView {
     };
     this.search.roots.forEach((root) => add(root, 0));
     this.rows.replaceChildren(...rows);
-    const total = this.search.raw.nodes.length;
+    const total = this.search.nodes.length;
     this.count.textContent = filtering ? `${found} of ${total} nodes` : `${total} nodes${rows.length >= MOST_ROWS ? `, the first ${MOST_ROWS} shown` : ""}`;
   }
 
   private byPromise(nodes: number[]): number[] {
-    const { nodes: all } = this.search.raw;
+    const { nodes: all } = this.search;
     return [...nodes].sort((x, y) => all[y].value - all[x].value || all[y].visits - all[x].visits || x - y);
   }
 
   private row(node: number, depth: number, isOpen: boolean, found: boolean): HTMLElement {
-    const { reached, visits, value, cost, reason, label } = this.search.raw.nodes[node];
+    const { reached, visits, value, cost, reason, label, parent } = this.search.nodes[node];
     const children = this.search.children[node].length;
     const sequence = this.search.sequenceOf.get(node);
     const toggle = el("span", { class: "twist", click: (event: MouseEvent) => { event.stopPropagation(); this.toggle(node); } }, children > 0 ? (isOpen ? "▾" : "▸") : "");
@@ -111,7 +111,7 @@ export class TreeView {
       class: `row ${reached}${node === this.selected ? " selected" : ""}${found ? " found" : ""}`, role: "treeitem", tabindex: 0, "data-node": node,
       "aria-expanded": children > 0 ? String(isOpen) : undefined, "aria-selected": String(node === this.selected), style: `--depth:${depth}`,
       title: `${STAGES[reached].text}${reason ? `\n${reason}` : ""}`, click: () => this.onSelect(node), dblclick: () => this.toggle(node),
-    }, toggle, el("i", { class: "state" }), el("span", { class: "change" }, label && label !== "start" ? el("b", {}, `${label}: `) : null, this.search.change(node)),
+    }, toggle, el("i", { class: "state" }), el("span", { class: "change" }, label && parent !== null ? el("b", {}, `${label}: `) : null, this.search.change(node)),
     el("span", { class: "reason" }, reached === "feasible" || !reason ? "" : plain(reason)),
     el("span", { class: "meta" }, sequence ? `#${sequence.number}` : children > 0 ? `${visits} tried` : ""),
     el("span", { class: "worth", title: `largest reward ${percent(value)}` }, el("i", { style: `width:${100 * value}%` })),

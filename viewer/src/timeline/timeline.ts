@@ -21,7 +21,10 @@ export class Timeline {
     this.axis = new TimeAxis(plan.duration, 600);
     this.stack = el("div", { class: "stack" }, ...this.charts.map((chart) => chart.canvas), this.cursor);
     this.root = el("div", { class: "timeline" }, this.stack, this.tip);
-    this.charts.forEach((chart) => chart.canvas.setAttribute("aria-label", `${chart.title} over time`));
+    this.charts.forEach((chart) => {
+      chart.canvas.setAttribute("role", "img");
+      chart.canvas.setAttribute("aria-label", `${chart.title} over time`);
+    });
     this.stack.addEventListener("pointerdown", (event) => this.press(event));
     this.stack.addEventListener("pointermove", (event) => this.move(event));
     this.stack.addEventListener("pointerup", () => { this.dragging = false; });

@@ -9,7 +9,7 @@ use crate::palette;
 use crate::robot::looks;
 use multibody::Shape;
 use nalgebra::Vector3;
-use plan::Geometry;
+use plan::{Geometry, Plan, StaticBody};
 use spatial::Pose;
 
 /// Times of the motion at which everything must be in the picture.
@@ -30,6 +30,8 @@ pub(crate) struct Scenery<'a> {
     /// Index of the object, part.
     objects: Vec<(usize, Part)>,
     fixed: Vec<Face>,
+    /// Of the static bodies that are touched; others may stand outside of the picture.
+    touched: Vec<Face>,
     ground: Ground,
     /// Corners of everything over the whole motion.
     points: Vec<Vector3<f64>>,
@@ -55,18 +57,26 @@ impl<'a> Scenery<'a> {
             let color = palette::to_rgb(&palette::of_object(plan, i));
             parts(&object.geometry, color).map(move |part| (i, part))
         });
-        let fixed = plan.environment.iter().flat_map(|body| {
+        let fixed = |body: &StaticBody| {
             let color = palette::to_rgb(&palette::of_static(plan, &body.name));
             let pale = color.map(|c| 0.6 * c + 0.4);
-            parts(&body.geometry, pale)
-                .flat_map(|part| faces(&Pose::identity(), &part).collect::<Vec<_>>())
-        });
-        let (robot, objects, fixed) = (robot.collect(), objects.collect(), fixed.collect());
+            let faces = parts(&body.geometry, pale)
+                .flat_map(|part| faces(&Pose::identity(), &part).collect::<Vec<_>>());
+            faces.collect::<Vec<_>>()
+        };
+        let touched = plan
+            .environment
+            .iter()
+            .filter(|body| is_touched(plan, &body.name));
+        let touched = touched.flat_map(fixed).collect();
+        let fixed = plan.environment.iter().flat_map(fixed).collect();
+        let (robot, objects) = (robot.collect(), objects.collect());
         let mut scenery = Self {
             motion,
             robot,
             objects,
             fixed,
+            touched,
             ground: Ground {
                 height: ground_height(plan),
                 center: Vector3::zeros(),
@@ -83,8 +93,9 @@ impl<'a> Scenery<'a> {
     fn look_around(&mut self) {
         let duration = self.motion.plan.duration();
         let places = |faces: Vec<Face>| faces.into_iter().flat_map(|face| face.places);
+        self.points.extend(places(self.touched.clone()));
         for look in 0..=LOOKS {
-            let faces = self.faces(duration * look as f64 / LOOKS as f64);
+            let faces = self.moving(duration * look as f64 / LOOKS as f64);
             self.points.extend(places(faces));
         }
         let mut low = Vector3::repeat(f64::INFINITY);
@@ -109,7 +120,8 @@ impl<'a> Scenery<'a> {
 
     /// The picture at a time, so many pixels high.
     pub fn picture(&self, time: f64, camera: &Camera, height: usize) -> Picture {
-        let faces = self.faces(time);
+        let mut faces = self.moving(time);
+        faces.extend_from_slice(&self.fixed);
         let mut shadow = Shadow::new(&self.points, &self.light);
         for face in &faces {
             shadow.add(face.places);
@@ -117,9 +129,10 @@ impl<'a> Scenery<'a> {
         paint(&faces, &self.ground, camera, &shadow, height)
     }
 
-    fn faces(&self, time: f64) -> Vec<Face> {
+    /// Robot and objects at a time.
+    fn moving(&self, time: f64) -> Vec<Face> {
         let moment = self.motion.at(time);
-        let mut all = self.fixed.clone();
+        let mut all = Vec::new();
         for (frame, part) in &self.robot {
             let world_from_frame = moment.robot.frame_pose(&self.motion.model, *frame);
             all.extend(faces(&world_from_frame, part));
@@ -151,7 +164,17 @@ fn faces<'p>(world_from_frame: &Pose, part: &'p Part) -> impl Iterator<Item = Fa
     })
 }
 
-fn ground_height(plan: &plan::Plan) -> f64 {
+/// True if some contact is with the static body.
+fn is_touched(plan: &Plan, body: &str) -> bool {
+    let of_body = |name: &String| {
+        let mut interfaces = plan.interfaces.iter();
+        interfaces.any(|x| x.name == *name && x.body == body)
+    };
+    let mut contacts = plan.phases.iter().flat_map(|phase| &phase.contacts);
+    contacts.any(|contact| of_body(&contact.a) || of_body(&contact.b))
+}
+
+fn ground_height(plan: &Plan) -> f64 {
     let shapes = plan.environment.iter().flat_map(|body| &body.geometry);
     let planes = shapes
         .filter(|shape| shape.is_plane())

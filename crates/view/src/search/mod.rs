@@ -33,6 +33,8 @@ pub(crate) struct SearchData {
     max_phases: usize,
     /// The tree of all beginnings that were looked at, parents first.
     nodes: Vec<NodeData>,
+    /// Why nodes got no further, each text once.
+    reasons: Vec<String>,
     /// In order of time.
     sequences: Vec<SequenceData>,
     /// Contacts that were refused wherever they occur.
@@ -110,6 +112,7 @@ impl Run {
             seed: journal.header.seed,
             max_phases: journal.header.max_phases,
             nodes: tree.nodes,
+            reasons: tree.reasons,
             sequences: tree.sequences,
             refused: tree.refused,
             asked: tree.asked,

@@ -24,9 +24,9 @@ pub(crate) struct NodeData {
     /// How far the best of them, or the beginning itself, got: `open`, `refused` (its own keyframes), `keyframes` (of a
     /// complete sequence), `optimised`, `feasible`.
     pub reached: &'static str,
-    /// Why not further, in the planner's words.
+    /// Why not further, in the planner's words: index into the reasons of the tree.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub reason: Option<String>,
+    pub reason: Option<usize>,
     /// Least cost below.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cost: Option<f64>,
@@ -63,6 +63,8 @@ pub(crate) struct RefusedData {
 #[derive(Debug, Default)]
 pub(crate) struct Tree {
     pub nodes: Vec<NodeData>,
+    /// Every reason once.
+    pub reasons: Vec<String>,
     pub sequences: Vec<SequenceData>,
     pub refused: Vec<RefusedData>,
     pub asked: [[usize; 2]; 2],
@@ -74,19 +76,19 @@ const STAGES: [&str; 5] = ["open", "refused", "keyframes", "optimised", "feasibl
 /// Builds the tree.
 pub(crate) fn build(journal: &Journal) -> Tree {
     let mut tree = Tree::default();
-    let mut known = BTreeMap::new();
+    let (mut known, mut reasons) = (BTreeMap::new(), Reasons::default());
     for answer in &journal.prefixes {
         let path = enter(&mut tree, &mut known, &answer.states);
         add_time(&mut tree, &path, answer.seconds);
         if let (false, Some(node)) = (answer.possible, path.last()) {
-            tree.nodes[*node].reason.clone_from(&answer.reason);
+            tree.nodes[*node].reason = reasons.index(answer.reason.as_ref());
             tree.nodes[*node].reached = "refused";
         }
     }
     for tried in &journal.sequences {
         let path = enter(&mut tree, &mut known, &tried.states);
         add_time(&mut tree, &path, tried.seconds);
-        let reached = stage(&tried.reached);
+        let (reached, reason) = (stage(&tried.reached), reasons.index(tried.reason.as_ref()));
         for (k, node) in path.iter().enumerate() {
             let node = &mut tree.nodes[*node];
             node.visits += 1;
@@ -97,7 +99,7 @@ pub(crate) fn build(journal: &Journal) -> Tree {
                 .reduce(f64::min);
             if rank(reached) >= rank(node.reached) {
                 node.reached = reached;
-                node.reason.clone_from(&tried.reason);
+                node.reason = reason;
             }
             if let Some(label) = tried.labels.get(k) {
                 node.label = label.replace('_', " ");
@@ -127,10 +129,29 @@ pub(crate) fn build(journal: &Journal) -> Tree {
         let refused = answers.iter().filter(|answer| !answer.possible).count();
         [answers.len(), refused]
     });
+    tree.reasons = reasons.texts;
     for node in &mut tree.nodes {
         node.seconds = rounded(node.seconds, 3);
     }
     tree
+}
+
+/// Texts that occur often, each once.
+#[derive(Default)]
+struct Reasons {
+    texts: Vec<String>,
+    known: BTreeMap<String, usize>,
+}
+
+impl Reasons {
+    fn index(&mut self, text: Option<&String>) -> Option<usize> {
+        let text = text?;
+        let index = *self.known.entry(text.clone()).or_insert(self.texts.len());
+        if index == self.texts.len() {
+            self.texts.push(text.clone());
+        }
+        Some(index)
+    }
 }
 
 #[expect(
@@ -207,7 +228,10 @@ mod tests {
             (2, "feasible", Some(7.0))
         );
         assert_eq!(
-            (refused.reached, refused.reason.as_deref()),
+            (
+                refused.reached,
+                refused.reason.map(|i| tree.reasons[i].as_str())
+            ),
             ("refused", Some("no configuration"))
         );
         assert_eq!(
