@@ -263,7 +263,8 @@ impl CollisionModel {
         out
     }
 
-    /// Overlaps deeper than `tolerance` half-way between neighbouring nodes: interval, pair, depth [m].
+    /// Overlaps that are deeper, by more than `tolerance`, half-way between neighbouring nodes than at them: interval, pair,
+    /// by how much [m].
     pub fn between(
         &self,
         program: &Program,
@@ -274,27 +275,40 @@ impl CollisionModel {
     ) -> Vec<(usize, usize, Other, f64)> {
         let model = &program.system.model;
         let mut kinematics = Kinematics::new(model);
-        let mut out = Vec::new();
-        for t in 0..program.n_intervals() {
-            let half: Vec<f64> = model
-                .difference(&nodes[t], &nodes[t + 1])
+        let mut overlaps = |q: &[f64], t: [usize; 2]| {
+            kinematics.update(model, q);
+            let touching: BTreeSet<_> = t
                 .iter()
-                .map(|d| 0.5 * d)
+                .flat_map(|&t| Self::touching(scene, program, phases, t))
                 .collect();
-            kinematics.update(model, &model.integrate(&nodes[t], &half));
-            let touching: BTreeSet<_> = Self::touching(scene, program, phases, t)
-                .union(&Self::touching(scene, program, phases, t + 1))
-                .copied()
-                .collect();
+            let mut found = BTreeMap::new();
             self.overlaps(
                 &kinematics,
                 &|a, b| touching.contains(&(a, b)),
                 &mut |depth, a, other| {
-                    if depth > tolerance {
-                        out.push((t, a, other, depth));
-                    }
+                    let deepest = found.entry((a, other)).or_insert(f64::NEG_INFINITY);
+                    *deepest = depth.max(*deepest);
                 },
             );
+            found
+        };
+        let mut out = Vec::new();
+        for t in 0..program.n_intervals() {
+            let difference = model.difference(&nodes[t], &nodes[t + 1]);
+            let half: Vec<f64> = difference.iter().map(|d| 0.5 * d).collect();
+            let between = overlaps(&model.integrate(&nodes[t], &half), [t, t + 1]);
+            if between.values().all(|&depth| depth <= tolerance) {
+                continue;
+            }
+            let ends = [t, t + 1].map(|node| overlaps(&nodes[node], [node, node]));
+            for (&(a, other), &depth) in &between {
+                // At the nodes rows say how deep bodies that just touched may be in one another.
+                let at_ends = ends.iter().filter_map(|end| end.get(&(a, other)));
+                let more = depth - at_ends.fold(0.0, |most: f64, &end| most.max(end));
+                if more > tolerance {
+                    out.push((t, a, other, more));
+                }
+            }
         }
         out
     }
