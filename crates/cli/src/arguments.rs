@@ -89,6 +89,9 @@ pub(crate) struct PlanOptions {
     /// Threads that optimise motions; 0: one per processor. The result does not depend on it
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,
+    /// Serve the page of the search on this machine while it runs
+    #[arg(long)]
+    pub live: bool,
     /// Continue the run whose journal is in --out, without asking again what it knows
     #[arg(long, requires = "out")]
     pub resume: bool,

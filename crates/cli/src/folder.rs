@@ -58,6 +58,16 @@ impl Folder {
         self.path.join("plan.json")
     }
 
+    /// The folder.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Where the page of the search goes.
+    pub fn page(&self) -> PathBuf {
+        self.path.join("search.html")
+    }
+
     /// Where the search's answers go.
     pub fn journal(&self) -> PathBuf {
         self.path.join("journal.jsonl")

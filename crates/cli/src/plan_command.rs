@@ -4,7 +4,7 @@ use crate::arguments::PlanOptions;
 use crate::failure::Failure;
 use crate::folder::Folder;
 use crate::progress::Progress;
-use crate::{Exit, interrupt, output, result_json, result_text};
+use crate::{Exit, interrupt, output, result_json, result_text, watch_command};
 use locotamp::{Alternative, Event, Found, Outcome, Request, Stop};
 use plan::{Plan, PlanError};
 use scene::Scene;
@@ -182,16 +182,34 @@ fn search(options: &PlanOptions, scene: &Scene, folder: &Folder) -> Result<Outco
         ..options.problem.request(options.time_limit)
     };
     let mut progress = Progress::new(options.quiet);
-    let mut failure = None;
+    let (mut failure, mut served) = (None, !options.live);
     let outcome = locotamp::plan(scene, &request, &mut |event| {
         progress.see(event);
+        if !served {
+            // The journal exists from the first event on.
+            served = true;
+            match watch_command::beside(folder.path()) {
+                Ok(address) => output::error(&format!("the search as a page: {address}\n")),
+                Err(error) => failure = Some(error),
+            }
+        }
         if let Event::Solution { number, best, plan } = event {
-            failure = solution(folder, *number, *best, plan).err();
+            failure = failure
+                .take()
+                .or(solution(folder, *number, *best, plan).err());
         }
         failure.is_none()
     });
     progress.finish();
-    failure.map_or(Ok(outcome?), Err)
+    if let Some(failure) = failure {
+        return Err(failure);
+    }
+    let outcome = outcome?;
+    let page = view::Run::open(folder.path()).and_then(|run| run.page(false));
+    let page = page.map_err(|error| Failure::new(Exit::BadInput, error))?;
+    let path = folder.page();
+    std::fs::write(&path, page).map_err(|error| Failure::path("write", &path, &error))?;
+    Ok(outcome)
 }
 
 /// Writes a plan of the search as soon as it is there; the best one also as the plan of the run.

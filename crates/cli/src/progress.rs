@@ -25,6 +25,11 @@ pub(crate) struct Progress {
     sequences: usize,
     impossible: usize,
     optimised: usize,
+    solutions: usize,
+    /// Time of the first plan [s].
+    first_after: Option<f64>,
+    /// Cost and number of the cheapest plan.
+    best: Option<(f64, usize)>,
     doing: String,
 }
 
@@ -45,6 +50,9 @@ impl Progress {
             sequences: 0,
             impossible: 0,
             optimised: 0,
+            solutions: 0,
+            first_after: None,
+            best: None,
             doing: "reading".into(),
         }
     }
@@ -143,7 +151,20 @@ impl Progress {
                     self.title(*number)
                 );
             }
-            Event::Solution { .. } => {}
+            Event::Solution { number, plan, .. } => {
+                self.solutions += 1;
+                let seconds = self.begin.elapsed().as_secs_f64();
+                self.first_after.get_or_insert(seconds);
+                let cost = plan.objective.as_ref().and_then(|o| o.cost);
+                if let Some(cost) = cost
+                    && self.best.is_none_or(|(best, _)| cost < best)
+                {
+                    self.best = Some((cost, *number));
+                    let phases = plan.phases.iter().skip(1);
+                    let story: Vec<&str> = phases.map(|p| p.action.as_str()).collect();
+                    return Some(format!("best so far: {}", story.join(" | ")));
+                }
+            }
             Event::Refining { max_step } => {
                 self.doing = "refining".into();
                 return Some(format!(
@@ -188,8 +209,15 @@ impl Progress {
         if self.given {
             return doing.clone();
         }
+        let plans = match (self.first_after, self.best) {
+            (Some(first), Some((cost, number))) => format!(
+                ", {} plans, first after {first:.1} s, best {cost:.3} (sequence {number})",
+                self.solutions
+            ),
+            _ => String::new(),
+        };
         format!(
-            "{sequences} sequences tried ({impossible} without keyframes, {optimised} optimised) | {doing}"
+            "{sequences} sequences tried ({impossible} without keyframes, {optimised} optimised{plans}) | {doing}"
         )
     }
 }

@@ -31,6 +31,8 @@ pub(crate) fn write(finished: &Finished) -> String {
     text += &alternatives(finished);
     if let Some(path) = &finished.path {
         let _ = writeln!(text, "plan file          {}", path.display());
+        let page = path.with_file_name("search.html");
+        let _ = writeln!(text, "search page        {}", page.display());
     }
     if let Some(verdict) = &finished.verdict {
         let _ = writeln!(text, "checker            {verdict}");

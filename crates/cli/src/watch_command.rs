@@ -5,7 +5,8 @@ use crate::{Exit, output};
 use clap::Args;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::thread;
 use std::time::Duration;
 use view::Run;
 
@@ -35,6 +36,17 @@ pub(crate) fn run(options: &WatchOptions) -> Result<Exit, Failure> {
     output::result(&format!("http://{address}\n"));
     serve(&listener, &run);
     Ok(Exit::Done)
+}
+
+/// Serves the page of a run in a thread of its own, which ends with the program; its address.
+pub(crate) fn beside(folder: &Path) -> Result<String, Failure> {
+    let run = Run::open(folder).map_err(|error| Failure::new(Exit::BadInput, error))?;
+    let listener = listen(0)?;
+    let address = listener
+        .local_addr()
+        .map_err(|error| Failure::new(Exit::BadInput, error))?;
+    thread::spawn(move || serve(&listener, &run));
+    Ok(format!("http://{address}"))
 }
 
 /// A port of this machine that no other machine reaches.

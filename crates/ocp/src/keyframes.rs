@@ -108,6 +108,16 @@ impl Planner<'_> {
     }
 }
 
+impl Keyframes {
+    /// True if a contact or a goal is far out of reach. A clearance that is far off may be a matter of the guess: something
+    /// stands on the wrong side.
+    fn is_hopeless(&self) -> bool {
+        let in_the_way = |w: &Worst| w.label.category == "clearance";
+        let worst = self.worst.as_ref().filter(|w| !in_the_way(w));
+        worst.is_some() && self.report.violation > HOPELESS
+    }
+}
+
 /// One question about configurations.
 pub(crate) struct Ask<'a> {
     planner: &'a Planner<'a>,
@@ -165,7 +175,7 @@ impl<'a> Ask<'a> {
     fn attempts(&self) -> (Keyframes, bool, Vec<Vec<Vec<f64>>>) {
         let guess = guess::keyframes(self.planner.scene, &self.planner.system, self.phases);
         let (first, first_rows) = self.solve(guess.clone(), Watched::new());
-        if first.possible || first.report.violation > HOPELESS {
+        if first.possible || first.is_hopeless() {
             return (first, false, vec![]);
         }
         let (forward, watched) = self.forward(guess.clone());

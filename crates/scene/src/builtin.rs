@@ -18,11 +18,12 @@ const ROBOTS: [BuiltinRobot; 1] = [BuiltinRobot {
 }];
 
 /// Name and text of every built-in scene.
-const SCENES: [(&str, &str); 3] = [
+const SCENES: [(&str, &str); 4] = [
     (
         "pick-place",
         include_str!("../../../scenes/pick-place.toml"),
     ),
+    ("two-box", include_str!("../../../scenes/two-box.toml")),
     ("lift-box", include_str!("../../../scenes/lift-box.toml")),
     ("side-step", include_str!("../../../scenes/side-step.toml")),
 ];

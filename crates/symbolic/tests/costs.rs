@@ -2,8 +2,8 @@
 
 use crate::fixtures::{bottom, handle, id, robot, state, surface};
 use symbolic::{
-    BestFirst, ContactState, Costs, Domain, Goal, GraphOptions, Oracle, Owner, SearchLimits,
-    SkeletonGraph, Verdict,
+    BestFirst, ContactState, Costs, Domain, Goal, GraphOptions, Oracle, Owner, Policy,
+    SearchLimits, SkeletonGraph, Verdict,
 };
 
 /// A box that can rest on its bottom or its side, ground, two tables.

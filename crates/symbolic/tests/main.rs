@@ -15,3 +15,4 @@ mod sequences;
 mod skeletons;
 mod statistics;
 mod task;
+mod tree;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::fixtures::{contact, one_box, state};
 use crate::problems::{NATURAL, best_first, pick_place, take};
 use symbolic::search::{AcceptAll, Rejected, default_phases};
-use symbolic::{ContactState, Costs, Domain, Oracle, Rollouts, SearchLimits, Verdict};
+use symbolic::{ContactState, Costs, Domain, Oracle, Policy, Rollouts, SearchLimits, Verdict};
 
 /// Table b is in reach only after both feet have been set down anew while the box was in the air.
 struct FarTable {
@@ -158,9 +158,15 @@ fn what_is_taken_back_later_disappears_from_the_queue() {
     let mut search = best_first(pick_place());
     let first = search.next(&mut AcceptAll).expect("there is a plan");
     let beginning = first.states[..3].to_vec();
-    search.reject(Rejected::Prefix(beginning.clone()), "lifting fails");
+    search.reject(
+        Rejected::Prefix(beginning.clone()),
+        "lifting fails".to_owned(),
+    );
     let second = search.next(&mut AcceptAll).expect("the right hand is left");
-    search.reject(Rejected::State(second.states[1].clone()), "grasping fails");
+    search.reject(
+        Rejected::State(second.states[1].clone()),
+        "grasping fails".to_owned(),
+    );
     let rest = take(&mut search, 300, &mut AcceptAll);
     assert!(
         rest.iter()
@@ -176,11 +182,11 @@ fn what_is_taken_back_later_disappears_from_the_queue() {
     );
     search.reject(
         Rejected::Transition(first.states[0].clone(), one_foot.clone()),
-        "no",
+        "no".to_owned(),
     );
     search.reject(
         Rejected::Contacts(state(&one_box(2), "left_foot on table_b_top")),
-        "too high",
+        "too high".to_owned(),
     );
     let high = state(&one_box(2), "left_foot on table_b_top");
     for sequence in take(&mut search, 300, &mut AcceptAll) {
@@ -221,7 +227,7 @@ fn rollouts_respect_oracle_and_limits() {
     let banned = rollouts.rejections().len();
     rollouts.reject(
         Rejected::Contacts(state(&one_box(2), "left_hand on red_box_handle")),
-        "weak hand",
+        "weak hand".to_owned(),
     );
     let later = rollouts.next(&mut oracle).expect("the right hand is left");
     assert!(

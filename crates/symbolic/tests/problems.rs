@@ -2,7 +2,8 @@
 
 use crate::fixtures::{id, one_box, standing, two_boxes};
 use symbolic::{
-    BestFirst, Costs, Domain, Goal, GraphOptions, Oracle, SearchLimits, Sequence, SkeletonGraph,
+    BestFirst, Costs, Domain, Goal, GraphOptions, Oracle, Policy, SearchLimits, Sequence,
+    SkeletonGraph,
 };
 
 /// One box from table a to table b.

@@ -4,8 +4,8 @@ use crate::fixtures::{id, one_box, standing};
 use crate::problems::{NATURAL, best_first, pick_place, take, two_box, with_goal};
 use symbolic::search::{AcceptAll, default_phases};
 use symbolic::{
-    BestFirst, ContactState, Costs, Ending, Goal, GraphOptions, Oracle, Rollouts, SearchLimits,
-    Sequence, SkeletonGraph, Status, Verdict,
+    BestFirst, ContactState, Costs, Ending, Goal, GraphOptions, Oracle, Policy, Rollouts,
+    SearchLimits, Sequence, SkeletonGraph, Status, Verdict,
 };
 
 #[test]
@@ -108,8 +108,8 @@ fn bounds_derive_from_the_problem() {
     );
     assert_eq!(
         default_phases(&with_goal(domain.clone(), Goal::default())),
-        13,
-        "a box can be moved: 1 + 4 + 8"
+        21,
+        "a box can be moved, feet may go up: 1 + 4 + 8 + 2 · 4"
     );
     let options = GraphOptions {
         max_actions: Some(0),

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use crate::fixtures::{bottom, handle, id, interface, state, surface};
 use symbolic::search::AcceptAll;
 use symbolic::{
-    BestFirst, ContactState, ContactType, Costs, Domain, Goal, GraphOptions, Owner, Role, Rollouts,
-    SearchLimits, SkeletonGraph, TaskState, successors,
+    BestFirst, ContactState, ContactType, Costs, Domain, Goal, GraphOptions, Owner, Policy, Role,
+    Rollouts, SearchLimits, SkeletonGraph, TaskState, successors,
 };
 
 /// One foot, one or two hands, one box with a handle or two opposite sides, ground and table.

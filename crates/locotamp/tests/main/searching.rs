@@ -1,0 +1,111 @@
+//! Whole searches on a small scene: the same for a seed however many threads there are, and continued from their journal.
+
+use locotamp::{Attempt, Error, Outcome, Reached, Request, Search, Stop};
+use scene::Scene;
+use std::path::Path;
+use std::sync::atomic::Ordering;
+
+/// A search for two plans of a side step, a few sequences long.
+fn request(journal: Option<&Path>) -> Request {
+    Request {
+        solutions: 2,
+        max_optimised: 8,
+        refinement: None,
+        journal: journal.map(Into::into),
+        ..Request::default()
+    }
+}
+
+fn plan(request: &Request) -> Outcome {
+    let scene = Scene::builtin("side-step").expect("a built-in scene");
+    locotamp::plan(&scene, request, &mut |_| true).expect("a planning problem")
+}
+
+/// What must be the same in two runs: number, contacts, how far they got.
+fn results(attempts: &[Attempt]) -> Vec<(usize, Vec<String>, Reached)> {
+    let one = |a: &Attempt| (a.number, a.labels.clone(), a.reached);
+    attempts.iter().map(one).collect()
+}
+
+#[test]
+fn threads_change_nothing_and_a_seed_everything() {
+    let with = |threads, seed| {
+        plan(&Request {
+            threads,
+            seed,
+            ..request(None)
+        })
+    };
+    let (one, four, other) = (with(1, 0), with(4, 0), with(4, 7));
+    assert!(one.feasible);
+    assert_eq!(results(&one.attempts), results(&four.attempts));
+    let plan = |outcome: &Outcome| outcome.best.as_ref().map(|found| found.plan.q.clone());
+    assert_eq!(plan(&one), plan(&four));
+    assert_ne!(results(&one.attempts), results(&other.attempts));
+    assert!(!one.alternatives.is_empty());
+}
+
+#[test]
+fn a_search_that_was_cut_off_goes_on_from_its_journal_and_comes_to_the_same() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("journal.jsonl");
+    let whole = plan(&request(Some(&path)));
+    let text = std::fs::read_to_string(&path).expect("a journal");
+    let lines: Vec<&str> = text.lines().collect();
+    let sequences = |lines: &[&str]| {
+        let is = |line: &&&str| line.contains("\"kind\":\"sequence\"");
+        lines.iter().filter(is).count()
+    };
+    assert_eq!(sequences(&lines), whole.attempts.len());
+
+    // As if killed while a line was being written, after the first sequence that was optimised.
+    let cut = lines
+        .iter()
+        .position(|line| line.contains("\"promise\""))
+        .expect("some sequence was optimised");
+    let half = &lines[cut + 1][..lines[cut + 1].len() / 2];
+    std::fs::write(&path, lines[..=cut].join("\n") + "\n" + half).expect("written");
+    let resumed = plan(&Request {
+        resume: true,
+        ..request(Some(&path))
+    });
+    assert_eq!(results(&resumed.attempts), results(&whole.attempts));
+    let after = std::fs::read_to_string(&path).expect("a journal");
+    let after: Vec<&str> = after.lines().collect();
+    assert_eq!(after[..=cut], lines[..=cut], "nothing is asked again");
+    assert_eq!(sequences(&after), sequences(&lines));
+}
+
+#[test]
+fn the_journal_of_another_seed_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("journal.jsonl");
+    let stopped = Stop::default();
+    stopped.0.store(true, Ordering::SeqCst);
+    let now = |seed, resume| {
+        let scene = Scene::builtin("side-step").expect("a built-in scene");
+        let request = Request {
+            seed,
+            resume,
+            stop: stopped.clone(),
+            ..request(Some(&path))
+        };
+        locotamp::plan(&scene, &request, &mut |_| true)
+    };
+    assert!(now(1, false).is_ok());
+    assert!(now(1, true).is_ok());
+    let refused = now(2, true).expect_err("another seed");
+    assert!(matches!(refused, Error::Journal { .. }), "{refused}");
+}
+
+#[test]
+fn the_other_policies_find_plans_too() {
+    for search in [Search::BestFirst, Search::Random] {
+        let outcome = plan(&Request {
+            search,
+            solutions: 1,
+            ..request(None)
+        });
+        assert!(outcome.feasible, "{search:?}: {}", outcome.ended);
+    }
+}

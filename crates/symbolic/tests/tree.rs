@@ -1,0 +1,134 @@
+//! Monte-Carlo tree search: the same every time, nothing twice, drawn to what pays, and nothing that is refused.
+
+use std::collections::BTreeSet;
+
+use crate::fixtures::{id, one_box};
+use crate::problems::{best_first, pick_place, two_box};
+use symbolic::search::{AcceptAll, Rejected};
+use symbolic::{
+    ContactState, Costs, Oracle, Policy, SearchLimits, Sequence, Status, TreeSearch, Verdict,
+};
+
+fn tree(seed: u64) -> TreeSearch {
+    TreeSearch::new(
+        pick_place(),
+        &SearchLimits::default(),
+        Costs::default(),
+        seed,
+    )
+}
+
+/// Takes sequences and pays for each what `worth` says.
+fn paid(search: &mut TreeSearch, count: usize, worth: impl Fn(&Sequence) -> f64) -> Vec<Sequence> {
+    let mut found = Vec::new();
+    for _ in 0..count {
+        let Some(sequence) = search.next(&mut AcceptAll) else {
+            break;
+        };
+        search.learn(&sequence.states, worth(&sequence));
+        found.push(sequence);
+    }
+    found
+}
+
+#[test]
+fn a_seed_decides_everything_and_nothing_comes_twice() {
+    let one = paid(&mut tree(5), 200, |s| 1.0 / s.states.len() as f64);
+    assert_eq!(one.len(), 200);
+    assert_eq!(
+        one,
+        paid(&mut tree(5), 200, |s| 1.0 / s.states.len() as f64)
+    );
+    assert_ne!(
+        one,
+        paid(&mut tree(6), 200, |s| 1.0 / s.states.len() as f64)
+    );
+    let different: BTreeSet<_> = one.iter().map(|s| s.states.clone()).collect();
+    assert_eq!(different.len(), 200);
+}
+
+#[test]
+fn every_sequence_is_one_of_the_graph() {
+    let mut known = best_first(pick_place());
+    let mut all = BTreeSet::new();
+    while let Some(sequence) = known.next(&mut AcceptAll) {
+        if sequence.cost > 14.0 {
+            break;
+        }
+        all.insert(sequence.states);
+    }
+    let cheap = paid(&mut tree(1), 300, |_| 0.5);
+    let cheap: Vec<_> = cheap.iter().filter(|s| s.cost < 14.0).collect();
+    assert!(cheap.len() > 50, "{}", cheap.len());
+    assert!(cheap.iter().all(|s| all.contains(&s.states)));
+}
+
+#[test]
+fn what_pays_is_tried_more_often() {
+    let with_left = |s: &Sequence| s.skeleton.iter().any(|label| label.contains("left_hand"));
+    let share = |worth: &dyn Fn(&Sequence) -> f64| {
+        let found = paid(&mut tree(2), 400, worth);
+        let tail = &found[100..];
+        tail.iter().filter(|s| with_left(s)).count() as f64 / tail.len() as f64
+    };
+    let even = share(&|_| 0.5);
+    let drawn = share(&|s| f64::from(u8::from(with_left(s))));
+    assert!(
+        drawn > even + 0.15,
+        "{drawn} of the paid, {even} of the even"
+    );
+}
+
+#[test]
+fn what_the_oracle_refuses_and_what_is_taken_back_never_comes() {
+    struct NoRight;
+    let hand = id(&one_box(3), "right_hand");
+    impl Oracle for NoRight {
+        fn state(&mut self, state: &ContactState) -> Verdict {
+            let hand = id(&one_box(3), "right_hand");
+            if state.partner(hand).is_some() {
+                return Verdict::Reject("the right hand is hurt".into());
+            }
+            Verdict::Accept
+        }
+    }
+    let mut search = tree(3);
+    let mut taken_back: Option<Vec<ContactState>> = None;
+    for n in 0..100 {
+        let sequence = search.next(&mut NoRight).expect("the left hand does it");
+        assert!(sequence.states.iter().all(|s| s.partner(hand).is_none()));
+        if let Some(prefix) = &taken_back {
+            assert!(
+                !sequence.states.starts_with(prefix),
+                "{:?}",
+                sequence.labels
+            );
+        }
+        if n == 20 {
+            let prefix = sequence.states[..2].to_vec();
+            search.reject(Rejected::Prefix(prefix.clone()), "too far".to_owned());
+            taken_back = Some(prefix);
+        }
+    }
+}
+
+#[test]
+fn a_small_problem_is_exhausted() {
+    let limits = SearchLimits {
+        max_phases: Some(7),
+        ..SearchLimits::default()
+    };
+    let mut known = symbolic::BestFirst::new(pick_place(), &limits, Costs::default());
+    let all = std::iter::from_fn(|| known.next(&mut AcceptAll)).count();
+    let mut search = TreeSearch::new(pick_place(), &limits, Costs::default(), 0);
+    let found = paid(&mut search, usize::MAX, |_| 0.0);
+    assert_eq!((found.len(), search.status()), (all, Status::Exhausted));
+}
+
+#[test]
+fn two_boxes_come_in_both_orders() {
+    let mut search = TreeSearch::new(two_box(), &SearchLimits::default(), Costs::default(), 0);
+    let found = paid(&mut search, 100, |_| 0.5);
+    let first: BTreeSet<_> = found.iter().map(|s| s.skeleton[0].clone()).collect();
+    assert!(first.len() >= 2, "{first:?}");
+}
