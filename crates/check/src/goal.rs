@@ -66,7 +66,7 @@ fn turned_beyond(region: &GoalRegion, world_from_body: &Pose) -> f64 {
     let rotation = world_from_body.rotation();
     let heading = region.yaw.map_or(0.0, |[least, greatest]| {
         let yaw = rotation[(1, 0)].atan2(rotation[(0, 0)]);
-        let from_middle = yaw - (least + greatest) / 2.0;
+        let from_middle = yaw - f64::midpoint(least, greatest);
         let (sin, cos) = from_middle.sin_cos();
         sin.atan2(cos).abs() - (greatest - least) / 2.0
     });

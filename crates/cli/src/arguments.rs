@@ -77,6 +77,24 @@ pub(crate) struct PlanOptions {
     /// End after this many seconds with the best so far
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub time_limit: Option<f64>,
+    #[command(flatten)]
+    pub search: SearchOptions,
+    /// Serve the page of the search on this machine while it runs
+    #[arg(long)]
+    pub live: bool,
+    #[command(flatten)]
+    pub problem: ProblemOptions,
+    /// One JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+    /// No progress
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// How `plan` searches.
+#[derive(Debug, Args)]
+pub(crate) struct SearchOptions {
     /// How the next contact sequence is chosen
     #[arg(long, value_enum, default_value_t = SearchName::Tree)]
     pub search: SearchName,
@@ -89,20 +107,9 @@ pub(crate) struct PlanOptions {
     /// Threads that optimise motions; 0: one per processor. The result does not depend on it
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,
-    /// Serve the page of the search on this machine while it runs
-    #[arg(long)]
-    pub live: bool,
     /// Continue the run whose journal is in --out, without asking again what it knows
     #[arg(long, requires = "out")]
     pub resume: bool,
-    #[command(flatten)]
-    pub problem: ProblemOptions,
-    /// One JSON object on standard output
-    #[arg(long)]
-    pub json: bool,
-    /// No progress
-    #[arg(long, short)]
-    pub quiet: bool,
 }
 
 /// Ways to search.

@@ -172,12 +172,12 @@ fn search(options: &PlanOptions, scene: &Scene, folder: &Folder) -> Result<Outco
     let interrupted = interrupt::flag();
     let request = Request {
         seed: options.seed,
-        search: options.search.into(),
-        threads: options.threads,
-        solutions: options.solutions,
-        max_optimised: options.max_sequences,
+        search: options.search.search.into(),
+        threads: options.search.threads,
+        solutions: options.search.solutions,
+        max_optimised: options.search.max_sequences,
         journal: Some(folder.journal()),
-        resume: options.resume,
+        resume: options.search.resume,
         stop: Stop(interrupted),
         ..options.problem.request(options.time_limit)
     };

@@ -79,19 +79,21 @@ fn what_pays_is_tried_more_often() {
     );
 }
 
+/// Refuses the right hand.
+struct NoRight;
+
+impl Oracle for NoRight {
+    fn state(&mut self, state: &ContactState) -> Verdict {
+        let hand = id(&one_box(3), "right_hand");
+        if state.partner(hand).is_some() {
+            return Verdict::Reject("the right hand is hurt".into());
+        }
+        Verdict::Accept
+    }
+}
 #[test]
 fn what_the_oracle_refuses_and_what_is_taken_back_never_comes() {
-    struct NoRight;
     let hand = id(&one_box(3), "right_hand");
-    impl Oracle for NoRight {
-        fn state(&mut self, state: &ContactState) -> Verdict {
-            let hand = id(&one_box(3), "right_hand");
-            if state.partner(hand).is_some() {
-                return Verdict::Reject("the right hand is hurt".into());
-            }
-            Verdict::Accept
-        }
-    }
     let mut search = tree(3);
     let mut taken_back: Option<Vec<ContactState>> = None;
     for n in 0..100 {

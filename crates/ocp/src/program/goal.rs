@@ -47,7 +47,7 @@ impl Builder<'_> {
                 self.node_term(element, node, frame, Arc::new(TiltLimit { max }), label);
             }
             if let Some([least, greatest]) = region.yaw {
-                let middle = Vector6::new(0.0, 0.0, 0.0, 0.0, 0.0, (least + greatest) / 2.0);
+                let middle = Vector6::new(0.0, 0.0, 0.0, 0.0, 0.0, f64::midpoint(least, greatest));
                 let frame = self.frame_in(body, Pose::exp(&middle));
                 let term = Arc::new(Heading {
                     half_width: (greatest - least) / 2.0,

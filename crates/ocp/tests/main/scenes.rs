@@ -189,6 +189,7 @@ pub fn random_scene(seed: u64) -> Scene {
             max_changes: 1,
             support_hands: true,
             domain: None,
+            steps: 8,
         },
         optimiser: OptimiserOptions {
             steps: 3,
