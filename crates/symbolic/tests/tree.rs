@@ -3,10 +3,11 @@
 use std::collections::BTreeSet;
 
 use crate::fixtures::{id, one_box};
-use crate::problems::{best_first, pick_place, two_box};
+use crate::problems::{best_first, pick_place, two_box, with_goal};
 use symbolic::search::{AcceptAll, Rejected};
 use symbolic::{
-    ContactState, Costs, Oracle, Policy, SearchLimits, Sequence, Status, TreeSearch, Verdict,
+    ContactState, Costs, Ending, Goal, Oracle, Policy, SearchLimits, Sequence, Status, TreeSearch,
+    Verdict,
 };
 
 fn tree(seed: u64) -> TreeSearch {
@@ -133,4 +134,25 @@ fn two_boxes_come_in_both_orders() {
     let found = paid(&mut search, 100, |_| 0.5);
     let first: BTreeSet<_> = found.iter().map(|s| s.skeleton[0].clone()).collect();
     assert!(first.len() >= 2, "{first:?}");
+}
+
+#[test]
+fn where_any_state_may_be_the_last_the_start_alone_comes_too_and_all_else() {
+    let limits = SearchLimits {
+        max_phases: Some(4),
+        ending: Some(Ending::Every),
+        ..SearchLimits::default()
+    };
+    let graph = || with_goal(one_box(2), Goal::default());
+    let mut known = symbolic::BestFirst::new(graph(), &limits, Costs::default());
+    let all: BTreeSet<_> = std::iter::from_fn(|| known.next(&mut AcceptAll))
+        .map(|s| s.states)
+        .collect();
+    let mut search = TreeSearch::new(graph(), &limits, Costs::default(), 0);
+    let found = paid(&mut search, usize::MAX, |_| 0.5);
+    assert_eq!(search.status(), Status::Exhausted);
+    let found: BTreeSet<_> = found.into_iter().map(|s| s.states).collect();
+    assert!(found.iter().any(|states| states.len() == 1));
+    assert_eq!(found.len(), all.len());
+    assert_eq!(found, all);
 }

@@ -44,6 +44,8 @@ struct TreeNode {
     visits: f64,
     /// Sum of the rewards.
     value: f64,
+    /// The sequence that ends here has been returned, or there is none.
+    ended: bool,
     /// Nothing new can come from here.
     closed: bool,
     /// Revision of the verdicts that it has been checked against.
@@ -85,7 +87,10 @@ impl TreeSearch {
     }
 
     fn add(&mut self, parent: usize, walk: Walk) -> usize {
+        let expansion = &self.walker.expansion;
+        let ended = !expansion.is_complete(walk.node, walk.n_phases());
         self.tree.push(TreeNode {
+            ended,
             parent,
             walk,
             next: 0,
@@ -98,17 +103,24 @@ impl TreeSearch {
         self.tree.len() - 1
     }
 
-    /// One descent: a new node, or the root while it is new; `None` if the way there is closed.
-    fn select(&mut self, oracle: &mut dyn Oracle) -> Option<usize> {
+    /// One descent: a new node (or the root while it is new), or a node that is complete and where the sequence is to end;
+    /// `None` if the way there is closed.
+    fn select(&mut self, oracle: &mut dyn Oracle) -> Option<(usize, bool)> {
         let mut at = 0;
         if self.tree[0].visits == 0.0 {
-            return Some(0);
+            return Some((0, false));
         }
         loop {
+            if !self.tree[at].ended && self.walker.ends_here(&self.tree[at].walk) {
+                return Some((at, true));
+            }
             if let Some(child) = self.widen(at, oracle) {
-                return Some(child);
+                return Some((child, false));
             }
             let Some(child) = self.best_child(at) else {
+                if !self.tree[at].ended && !oracle.stop() {
+                    return Some((at, true));
+                }
                 self.tree[at].closed = self.is_exhausted(at);
                 return None;
             };
@@ -161,7 +173,8 @@ impl TreeSearch {
         let list = self.walker.expansion.list(node, last_foot);
         let all = self.tree[at].next >= self.walker.expansion.ranked(list).len();
         let open = |&child: &usize| !self.tree[child].closed;
-        self.is_leaf(at) || all && !self.tree[at].children.iter().any(open)
+        let ended = self.tree[at].ended;
+        ended && (self.is_leaf(at) || all && !self.tree[at].children.iter().any(open))
     }
 
     /// The open child with the largest upper confidence bound; of equal ones the first.
@@ -241,11 +254,14 @@ impl Policy for TreeSearch {
             if self.tree[0].closed || !self.walker.may_begin(oracle) {
                 break;
             }
-            let Some(at) = self.select(oracle) else {
+            let Some((at, ends)) = self.select(oracle) else {
                 continue;
             };
             let mut walk = self.tree[at].walk.clone();
-            let complete = self.walker.finish(&mut walk, oracle);
+            let complete = ends || self.walker.finish(&mut walk, oracle);
+            if complete && walk.n_phases() == self.tree[at].walk.n_phases() {
+                self.tree[at].ended = true;
+            }
             if !complete && oracle.stop() {
                 continue; // it might have gone on
             }

@@ -84,7 +84,7 @@ impl Walker {
         loop {
             let complete = self.expansion.is_complete(walk.node, walk.n_phases());
             let goes_on = self.expansion.goes_on(complete, walk.n_phases());
-            if complete && (!goes_on || self.random.uniform() < self.share_of_ends(walk)) {
+            if complete && (!goes_on || self.ends_here(walk)) {
                 return true;
             }
             if !goes_on {
@@ -97,10 +97,10 @@ impl Walker {
         }
     }
 
-    /// Share of the walks that end in a complete state although they could go on: half of them, less where ending costs.
-    fn share_of_ends(&self, walk: &Walk) -> f64 {
+    /// Draws whether a walk ends in a complete state although it could go on: half of them do, less where ending costs.
+    pub(crate) fn ends_here(&mut self, walk: &Walk) -> bool {
         let cost = phases(self.expansion.end_cost(walk.node.state));
-        0.5 * (-cost / self.temperature).exp()
+        self.random.uniform() < 0.5 * (-cost / self.temperature).exp()
     }
 
     /// Draws until a step is accepted; `None` if all are rejected, or if the oracle stops.
