@@ -42,8 +42,6 @@ pub fn pose_terms() -> Vec<Box<dyn PoseTerm>> {
             upper: Vector3::repeat(1.0),
         }),
         Box::new(Tilt),
-        Box::new(Heading { half_width: 0.4 }),
-        Box::new(TiltLimit { max: 0.3 }),
         Box::new(distance(Obstacle::Box(half))),
         Box::new(distance(Obstacle::HalfSpace)),
         Box::new(distance(Obstacle::Parts(vec![
@@ -60,6 +58,8 @@ pub fn pose_terms() -> Vec<Box<dyn PoseTerm>> {
             distance: 3.0,
             centred: false,
         }),
+        Box::new(Heading { half_width: 0.4 }),
+        Box::new(TiltLimit { max: 0.3 }),
     ]
 }
 
