@@ -39,8 +39,8 @@ impl Manipulation {
     /// `release_at_end` the objects of the goal are let go as well, except by grasps that the goal names.
     ///
     /// # Errors
-    /// [`SymbolicError::Pddl`] if the domain does not fit the scene: a predicate that nothing makes true, or an
-    /// effect that stands for an impossible contact.
+    /// [`SymbolicError::Pddl`] if the domain does not fit the scene: a predicate that nothing makes true, an effect that
+    /// stands for an impossible contact, a goal that no action brings about.
     pub fn of(
         file: &DomainFile,
         domain: &Domain,

@@ -432,6 +432,18 @@ fn a_domain_that_does_not_fit_the_scene_is_refused_at_the_place_in_its_file() {
 }
 
 #[test]
+fn a_goal_that_no_action_brings_about_is_refused() {
+    let domain = "(define (domain wave) (:types hand movable) (:predicates (busy ?h - hand))
+        (:action wave :parameters (?h - hand) :effect (busy ?h)))";
+    let error = graph(&read(domain), Some(2))
+        .expect_err("nothing moves the box")
+        .to_string();
+    let expected = "own.pddl:1:1: the goal asks for \"red_box_bottom\" on \"table_b_top\", but no action brings that \
+                    about; add an action whose effect is (rests ?s ?t)";
+    assert!(error.starts_with(expected), "{error}");
+}
+
+#[test]
 fn no_damaged_text_makes_the_reader_panic() {
     for text in [DomainFile::builtin().text(), SLIDE] {
         let indices: Vec<usize> = text.char_indices().map(|(n, _)| n).collect();

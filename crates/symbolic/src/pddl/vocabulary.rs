@@ -56,8 +56,8 @@ impl<'d> SceneProblem<'d> {
     /// Objects, start and goal of a scene in the words of a domain.
     ///
     /// # Errors
-    /// [`PddlError`] if the domain declares a known predicate with another number of arguments, or uses one that
-    /// neither the scene nor an action makes true.
+    /// [`PddlError`] if the domain declares a known predicate with another number of arguments, uses one that
+    /// neither the scene nor an action makes true, or cannot move an object as the goal asks.
     pub fn new(
         file: &'d DomainFile,
         domain: &'d Domain,
@@ -80,6 +80,7 @@ impl<'d> SceneProblem<'d> {
         scene.name_parts();
         scene.tell_given();
         scene.tell_start(start);
+        scene.check_goal(start, goal)?;
         scene.problem.goal = scene.goal(goal, release_at_end);
         Ok(scene)
     }
@@ -189,6 +190,36 @@ impl<'d> SceneProblem<'d> {
         }
     }
 
+    /// The atoms that change and stand for a contact of a goal pair.
+    fn deciding(&self, pair: &GoalPair) -> Vec<Atom> {
+        let contacts = self.domain.contacts().iter().filter(|c| pair.matches(c));
+        let atoms = contacts.filter_map(|c| {
+            let (verb, _) = verb(self.domain, c)?;
+            self.atom(verb, &[c.a, c.b].map(ScenePart::Interface))
+        });
+        atoms.filter(|atom| self.file.is_fluent(atom.0)).collect()
+    }
+
+    /// Refuses goals that ask for a contact of an object which no action can make.
+    fn check_goal(&self, start: &ContactState, goal: &Goal) -> Result<(), PddlError> {
+        let domain = self.domain;
+        let of_object = |c: &Contact| domain.object_of(c.a).is_some();
+        let unreachable = |pair: &&GoalPair| {
+            let mut contacts = domain.contacts().iter().filter(|c| pair.matches(c));
+            contacts.any(of_object) && !pair.holds(start) && self.deciding(pair).is_empty()
+        };
+        goal.pairs.iter().find(unreachable).map_or(Ok(()), |pair| {
+            let name = |id| &domain.interface(id).name;
+            let problem = format!(
+                "the goal asks for {:?} on {:?}, but no action brings that about",
+                name(pair.a),
+                name(pair.b)
+            );
+            let remedy = "add an action whose effect is (rests ?s ?t) or (sticks ?s ?t)";
+            Err(self.file.source.error(0..0, problem, remedy))
+        })
+    }
+
     /// The part of the goal that facts decide: contacts of objects, grasps, and that the goal's objects are released.
     fn goal(&self, goal: &Goal, release_at_end: bool) -> Formula {
         let literal = |(predicate, arguments): Atom| {
@@ -198,14 +229,8 @@ impl<'d> SceneProblem<'d> {
                 span: 0..0,
             })
         };
-        let changing = |atom: &Atom| self.file.is_fluent(atom.0);
         let decides = |pair: &GoalPair| -> Vec<Formula> {
-            let contacts = self.domain.contacts().iter().filter(|c| pair.matches(c));
-            let atoms = contacts.filter_map(|c| {
-                let (verb, _) = verb(self.domain, c)?;
-                self.atom(verb, &[c.a, c.b].map(ScenePart::Interface))
-            });
-            atoms.filter(changing).map(literal).collect()
+            self.deciding(pair).into_iter().map(literal).collect()
         };
         let mut parts: Vec<Formula> = Vec::new();
         for mut clause in goal.pairs.iter().map(decides) {
@@ -232,7 +257,7 @@ impl<'d> SceneProblem<'d> {
                 }
                 _ => self.atom("holds", &[grasp[0].a, grasp[0].b].map(ScenePart::Interface)),
             };
-            let atom = atom.filter(changing).map(literal);
+            let atom = atom.filter(|atom| self.file.is_fluent(atom.0)).map(literal);
             parts.extend(atom.map(|atom| Formula::Not(Box::new(atom))));
         }
         Formula::And(parts)
