@@ -97,7 +97,7 @@ pub struct Program {
     pub motion_weights: Vec<(f64, f64)>,
     /// Scale of each row of the equations of motion.
     pub dynamics_scale: Vec<f64>,
-    /// True if the first six rows of the equations of motion are the robot's momentum ([`crate::momentum`]).
+    /// True if the first six rows of the equations of motion are the robot's momentum (`momentum.rs`).
     pub momentum: bool,
     /// For the solver.
     pub structure: Structure,
