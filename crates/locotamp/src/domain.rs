@@ -122,6 +122,8 @@ pub fn graph(scene: &Scene) -> Result<(SkeletonGraph, SearchLimits), Error> {
     Ok((graph, limits))
 }
 
+/// Cosine of the slope up to which a surface counts as one to stand on.
+const UPWARD: f64 = 0.98;
 /// Extra cost of landing a foot on the lowest surface rather than on the highest, and of ending there [phases]; only where
 /// the base is to get high.
 const LOW: f64 = 3.0;
@@ -169,7 +171,7 @@ fn lowness(scene: &Scene) -> BTreeMap<(InterfaceId, InterfaceId), f64> {
     let poses: Vec<_> = scene.interfaces.iter().map(world_from).collect();
     let height = |n: usize| {
         let pose = poses[n].as_ref()?;
-        let up = pose.rotate(Vector3::z()).z > OPPOSITE.abs();
+        let up = pose.rotate(Vector3::z()).z > UPWARD;
         let carries = scene.interfaces[n]
             .contact_types
             .contains(&ContactType::UnilateralPatch);

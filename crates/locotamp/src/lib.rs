@@ -14,6 +14,7 @@ mod quality;
 mod refine;
 mod search;
 mod solve;
+mod start;
 mod summary;
 
 pub use api::{

@@ -75,7 +75,7 @@ pub fn solve(
     let begin = Instant::now();
     let scene = &with_goal(scene, sequence);
     let planner = Planner::new(scene)?;
-    search::check_start(scene, &planner)?;
+    crate::start::check_start(scene, &planner)?;
     let labels = labels(scene, sequence)?;
     let settings = search::settings(scene, request)?;
     let phases: Vec<Phase> = sequence

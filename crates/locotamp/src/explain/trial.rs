@@ -1,7 +1,8 @@
 //! Solves of changed scenes, exactly as a user would solve them.
 
 use crate::api::{Event, Request};
-use crate::search::{self, check_start};
+use crate::search;
+use crate::start::check_start;
 use ocp::{Keyframes, Motion, Phase, Planner};
 use scene::Scene;
 use solver::Iteration;

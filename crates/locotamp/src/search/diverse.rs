@@ -1,40 +1,70 @@
 //! The best plans that differ in what they do: of plans with the same loaded contacts the cheapest stays.
 
+use std::ops::Index;
+
 use crate::api::Alternative;
+use ocp::Point;
 use plan::{Plan, Row6};
+use symbolic::Sequence;
 
 /// Share of the robot's weight from which a contact of the robot counts as loaded.
 const LOADED: f64 = 0.02;
 
+/// A plan with what it takes to refine it.
+pub(super) struct Kept {
+    pub alternative: Alternative,
+    pub point: Point,
+    pub sequence: Sequence,
+}
+
 /// The cheapest plans with different loaded contacts, at most so many, the cheapest first.
-#[derive(Debug, Default)]
 pub(super) struct Diverse {
-    pub plans: Vec<Alternative>,
+    plans: Vec<Kept>,
     most: usize,
 }
 
 impl Diverse {
+    /// At least one is kept.
     pub fn new(most: usize) -> Self {
         Self {
             plans: vec![],
-            most,
+            most: most.max(1),
         }
     }
 
+    /// The cheapest plan.
+    pub fn best(&self) -> Option<&Kept> {
+        self.plans.first()
+    }
+
+    pub fn len(&self) -> usize {
+        self.plans.len()
+    }
+
+    pub fn plans(self) -> impl Iterator<Item = Kept> {
+        self.plans.into_iter()
+    }
+
     /// Takes a plan unless a cheaper one does the same.
-    pub fn offer(&mut self, plan: Alternative) {
-        let same = |other: &Alternative| other.loaded == plan.loaded;
-        if self
-            .plans
-            .iter()
-            .any(|other| same(other) && other.cost <= plan.cost)
-        {
+    pub fn offer(&mut self, kept: Kept) {
+        let plan = &kept.alternative;
+        let same = |other: &Kept| other.alternative.loaded == plan.loaded;
+        let cheaper = |other: &Kept| other.alternative.cost <= plan.cost;
+        if self.plans.iter().any(|other| same(other) && cheaper(other)) {
             return;
         }
         self.plans.retain(|other| !same(other));
-        let at = self.plans.partition_point(|other| other.cost <= plan.cost);
-        self.plans.insert(at, plan);
+        let at = self.plans.partition_point(cheaper);
+        self.plans.insert(at, kept);
         self.plans.truncate(self.most);
+    }
+}
+
+impl Index<usize> for Diverse {
+    type Output = Kept;
+
+    fn index(&self, n: usize) -> &Kept {
+        &self.plans[n]
     }
 }
 

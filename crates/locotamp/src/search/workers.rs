@@ -9,7 +9,7 @@ use solver::Iteration;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex};
-use std::thread::Scope;
+use std::thread::{self, Scope};
 use std::time::Instant;
 
 /// A sequence whose keyframes exist.
@@ -17,15 +17,15 @@ pub(super) struct Job {
     pub number: usize,
     pub labels: Vec<String>,
     pub phases: Vec<Phase>,
-    pub from: From,
+    pub start: Start,
 }
 
 /// What the motion starts from.
-pub(super) enum From {
+pub(super) enum Start {
     /// Keyframes, or, if there is one, first the motion of a relative.
     Keyframes(Vec<Vec<f64>>, Option<Arc<Relative>>),
-    /// It is known.
-    Known(PointEntry),
+    /// It is known, and whether it is feasible.
+    Known(PointEntry, bool),
 }
 
 /// What became of a job.
@@ -38,7 +38,7 @@ pub(super) struct Evaluated {
     pub reason: Option<String>,
     /// Phase of the most violated row, from 0.
     pub worst_phase: Option<usize>,
-    pub point: Point,
+    pub point: Option<Point>,
     /// Of a feasible motion.
     pub plan: Option<Plan>,
     pub relative: Option<Arc<Relative>>,
@@ -55,12 +55,7 @@ impl Evaluated {
             seconds: known.seconds,
             reason: known.reason.clone(),
             worst_phase: known.failed_phase,
-            point: Point {
-                nodes: vec![],
-                wrenches: vec![],
-                velocities: vec![],
-                durations: vec![],
-            },
+            point: None,
             plan: None,
             relative: None,
         }
@@ -71,6 +66,8 @@ impl Evaluated {
 pub(super) enum Message {
     Event(Event),
     Done(usize, Box<Evaluated>),
+    /// A worker panicked.
+    Lost,
 }
 
 /// The threads' end of the work, and when it ends.
@@ -103,6 +100,7 @@ impl Workers {
         for _ in 0..count {
             let (inbox, sender) = (inbox.clone(), sender.clone());
             scope.spawn(move || {
+                let _alarm = Alarm(sender.clone());
                 loop {
                     let job = inbox.lock().ok().and_then(|inbox| inbox.recv().ok());
                     let Some(job) = job else { return };
@@ -123,6 +121,17 @@ impl Workers {
     }
 }
 
+/// Says so if its thread panics, so that nobody waits for it.
+struct Alarm(Sender<Message>);
+
+impl Drop for Alarm {
+    fn drop(&mut self) {
+        if thread::panicking() {
+            let _ = self.0.send(Message::Lost);
+        }
+    }
+}
+
 impl Shop<'_> {
     fn evaluate(self, job: Job, sender: &Sender<Message>) -> Evaluated {
         let mut watch = |i: &Iteration| {
@@ -137,9 +146,13 @@ impl Shop<'_> {
             heard && !late && !self.stop.load(Ordering::SeqCst)
         };
         let (planner, settings, phases) = (self.planner, self.settings, &job.phases);
-        let mut motion = match job.from {
-            From::Known(point) => planner.restore(phases, settings, point.into()),
-            From::Keyframes(nodes, relative) => {
+        let mut motion = match job.start {
+            Start::Known(point, feasible) => {
+                let mut motion = planner.restore(phases, settings, point.into());
+                motion.feasible = feasible;
+                motion
+            }
+            Start::Keyframes(nodes, relative) => {
                 let near =
                     relative.and_then(|r| planner.motion_from(phases, settings, &r, &mut watch));
                 near.unwrap_or_else(|| planner.motion(phases, settings, &nodes, &mut watch))
@@ -158,7 +171,7 @@ impl Shop<'_> {
             seconds: motion.seconds,
             reason: summary::resistance(scene, motion),
             worst_phase: motion.worst.as_ref().map(|w| w.phase),
-            point: motion.point.clone(),
+            point: Some(motion.point.clone()),
             plan: motion.feasible.then(|| export::plan(scene, labels, motion)),
             relative: motion.feasible.then(|| Arc::new(motion.relative())),
         }

@@ -1,0 +1,264 @@
+//! Which sequence is optimised next: drawn from the policy, filtered by keyframes, the most promising of those that wait.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::results::name;
+use super::workers::{Evaluated, Job, Start};
+use super::{Run, reward};
+use crate::api::{Attempt, Event, Reached};
+use crate::journal::Tried;
+use crate::summary;
+use ocp::{Phase, Relative};
+use scene::Objective;
+use symbolic::Sequence;
+use symbolic::search::Rejected;
+
+/// Phases at the end in which a sequence may differ from another whose motion it starts from.
+const DIFFERENT_AT_END: usize = 2;
+/// Sequences drawn for each that is optimised.
+const DRAWS: usize = 4;
+/// What a phase adds to the cost that keyframes promise: its time, at about half a second.
+const PHASE: f64 = 0.5;
+/// What the cost of keyframes counts for: a phase costs as much as sixteen of its nodes.
+const STRAIN: f64 = 16.0;
+/// Height by which a motion may end above its keyframes [m]: those are near the home posture at the end, motions stretch.
+const HEIGHT_ROOM: f64 = 0.12;
+
+/// A sequence whose keyframes exist.
+pub(super) struct Candidate {
+    pub number: usize,
+    pub sequence: Sequence,
+    /// The cost to expect.
+    pub promise: f64,
+    /// What is known of it from the run that is continued.
+    pub known: Option<Tried>,
+}
+
+/// What is left to do for it.
+pub(super) enum Work {
+    /// The motion.
+    Optimise(Start),
+    /// Nothing: it is known that there is none.
+    Remembered(Box<Evaluated>),
+}
+
+impl Work {
+    /// After what the journal holds: a motion, or that there is none.
+    fn known(tried: &Tried) -> Self {
+        let feasible = tried.reached == name(Reached::Feasible);
+        match tried.point.clone() {
+            Some(point) => Self::Optimise(Start::Known(point, feasible)),
+            None => Self::Remembered(Box::new(Evaluated::remembered(tried))),
+        }
+    }
+}
+
+impl Run<'_> {
+    /// Has the next sequence optimised; false if there is none.
+    ///
+    /// A few sequences are drawn, and of all that wait the one whose keyframes promise the lowest cost is taken: postures at
+    /// the edge of reach cost a lot, and make the optimiser's work hard.
+    pub fn propose(&mut self) -> bool {
+        let (mut drawn, mut more) = (0, true);
+        while more && (drawn < DRAWS || self.waiting.is_empty()) && self.is_over().is_none() {
+            self.drawn += 1;
+            more = self.draw(self.drawn);
+            drawn += 1;
+        }
+        let promise = |n: usize| self.waiting[n].0.promise; // equal ones in the order in which they were drawn
+        let least = (0..self.waiting.len()).min_by(|&a, &b| promise(a).total_cmp(&promise(b)));
+        let Some((candidate, work)) = least.map(|n| self.waiting.remove(n)) else {
+            return more;
+        };
+        match work {
+            Work::Remembered(done) => {
+                self.results.insert(candidate.number, done);
+            }
+            Work::Optimise(start) => self.workers.submit(Job {
+                number: candidate.number,
+                labels: candidate.sequence.labels.clone(),
+                phases: self.phases(&candidate.sequence),
+                start,
+            }),
+        }
+        self.under_way.push_back(candidate);
+        true
+    }
+
+    /// Checks the next sequence by keyframes, to wait for its turn if it passes; false if there is none.
+    fn draw(&mut self, number: usize) -> bool {
+        let Some(sequence) = self.policy.next(&mut self.checks) else {
+            return false;
+        };
+        let clock = Instant::now();
+        self.tell(&Event::Sequence {
+            number,
+            labels: sequence.labels.clone(),
+        });
+        let known = self.known(&sequence);
+        let (promise, work) = match &known {
+            None => match self.keyframes(number, &sequence, clock) {
+                Some((promise, start)) => (promise, Work::Optimise(start)),
+                None => return true,
+            },
+            Some(tried) => match tried.promise {
+                Some(promise) => (promise, Work::known(tried)),
+                None => {
+                    self.leave_out_again(number, &sequence, tried);
+                    return true;
+                }
+            },
+        };
+        let candidate = Candidate {
+            number,
+            sequence,
+            promise,
+            known,
+        };
+        self.waiting.push((candidate, work));
+        true
+    }
+
+    /// What the run that is continued found out about a sequence.
+    fn known(&mut self, sequence: &Sequence) -> Option<Tried> {
+        let states = self.names(sequence);
+        self.checks.journal.take_sequence(&states)
+    }
+
+    /// The cost that keyframes promise, and a start for the motion; `None` if the sequence is not worth an optimisation.
+    fn keyframes(
+        &mut self,
+        number: usize,
+        sequence: &Sequence,
+        clock: Instant,
+    ) -> Option<(f64, Start)> {
+        if let Some(reason) = self.alike(sequence) {
+            self.leave_out(number, sequence, Reached::Alike, Some(reason), clock);
+            return None;
+        }
+        let phases = self.phases(sequence);
+        let keyframes = self.shop.planner.keyframes(&phases, self.shop.settings);
+        let possible = keyframes.possible;
+        let worst = keyframes.worst.as_ref().filter(|_| !possible);
+        let reason = worst.map(|w| summary::words(self.shop.planner.scene, w));
+        self.tell(&Event::Keyframes {
+            number,
+            possible,
+            reason: reason.clone(),
+        });
+        if !possible {
+            self.reject_prefix(sequence, &phases);
+            self.leave_out(number, sequence, Reached::Keyframes, reason, clock);
+            return None;
+        }
+        if let Some(reason) = self.too_low(&keyframes.nodes) {
+            self.leave_out(number, sequence, Reached::Keyframes, Some(reason), clock);
+            return None;
+        }
+        let promise = STRAIN * keyframes.report.objective + PHASE * phases.len() as f64;
+        let relative = nearest(&self.relatives, &phases);
+        Some((promise, Start::Keyframes(keyframes.nodes, relative)))
+    }
+
+    /// Why the sequence is not worth a try: others failed at the same contacts.
+    fn alike(&self, sequence: &Sequence) -> Option<String> {
+        let (phase, numbers) = self.failures.known(&sequence.states)?;
+        let numbers: Vec<String> = numbers.iter().map(ToString::to_string).collect();
+        Some(format!(
+            "sequences {} have no motion at the contacts of phase {} ({})",
+            numbers.join(", "),
+            phase + 1,
+            sequence.labels[phase]
+        ))
+    }
+
+    /// Where the base is to get high: why keyframes cannot lead higher than the best plan.
+    fn too_low(&self, nodes: &[Vec<f64>]) -> Option<String> {
+        if self.shop.planner.scene.objective != Objective::BaseHeight {
+            return None;
+        }
+        let height = |nodes: &[Vec<f64>]| nodes.last().map_or(f64::NEG_INFINITY, |q| q[2]);
+        let best = self.diverse.best()?;
+        let (now, before) = (height(nodes), height(&best.point.nodes));
+        let low = now < before - HEIGHT_ROOM;
+        low.then(|| format!("the base ends at {now:.2} m at most, a plan is at {before:.2} m"))
+    }
+
+    /// Takes note of a sequence that is not optimised.
+    fn leave_out(
+        &mut self,
+        number: usize,
+        sequence: &Sequence,
+        reached: Reached,
+        reason: Option<String>,
+        clock: Instant,
+    ) {
+        let attempt = Attempt {
+            number,
+            labels: sequence.labels.clone(),
+            reached,
+            reason,
+            cost: None,
+            iterations: 0,
+            seconds: clock.elapsed().as_secs_f64(),
+        };
+        self.conclude(sequence, attempt, reward::LEFT_OUT, None);
+    }
+
+    /// The same for one that the run that is continued left out.
+    fn leave_out_again(&mut self, number: usize, sequence: &Sequence, known: &Tried) {
+        let alike = known.reached == name(Reached::Alike);
+        if !alike {
+            let phases = self.phases(sequence);
+            self.reject_prefix(sequence, &phases);
+        }
+        self.policy.learn(&sequence.states, known.reward);
+        self.attempts.push(Attempt {
+            number,
+            labels: sequence.labels.clone(),
+            reached: if alike {
+                Reached::Alike
+            } else {
+                Reached::Keyframes
+            },
+            reason: known.reason.clone(),
+            cost: None,
+            iterations: 0,
+            seconds: known.seconds,
+        });
+    }
+
+    /// Finds the shortest impossible beginning, so that nothing that starts with it is tried again. If the contacts
+    /// alone are possible, only the goal is out of reach, and longer sequences may still get there.
+    fn reject_prefix(&mut self, sequence: &Sequence, phases: &[Phase]) {
+        let whole = self.checks.beginning(phases);
+        if whole.possible {
+            return;
+        }
+        let (mut possible, mut impossible) = (0, phases.len());
+        let mut reason = whole.reason;
+        while impossible - possible > 1 {
+            let middle = usize::midpoint(possible, impossible);
+            let answer = self.checks.beginning(&phases[..middle]);
+            if answer.possible {
+                possible = middle;
+            } else {
+                (impossible, reason) = (middle, answer.reason);
+            }
+        }
+        let prefix = sequence.states[..impossible].to_vec();
+        self.policy
+            .reject(Rejected::Prefix(prefix), reason.unwrap_or_default());
+    }
+}
+
+/// The relative that shares most phases, the first of these, if it differs in the last few only: a start that shares less
+/// saved nothing (benches/runs/2026-11-21-keyframes.md).
+fn nearest(relatives: &[Arc<Relative>], phases: &[Phase]) -> Option<Arc<Relative>> {
+    let shared = |r: &Arc<Relative>| r.shared_phases(phases);
+    let most = relatives.iter().map(shared).max()?;
+    let near = relatives.iter().find(|r| shared(r) == most);
+    near.filter(|_| most + DIFFERENT_AT_END >= phases.len())
+        .cloned()
+}

@@ -1,0 +1,228 @@
+//! What becomes of optimised motions: taken in the order in which they were begun, told to policy and journal, kept if good.
+
+use std::sync::atomic::Ordering;
+
+use super::Run;
+use super::diverse::{Kept, loaded};
+use super::proposals::Candidate;
+use super::reward::Rewards;
+use super::workers::{Evaluated, Message};
+use crate::api::{Alternative, Attempt, Event, Found, Outcome, Reached, Request};
+use crate::journal::Tried;
+use crate::refine::{self, Refined};
+use ocp::Motion;
+use symbolic::Sequence;
+
+/// Motions that others may start from.
+const MOST_RELATIVES: usize = 16;
+
+impl Run<'_> {
+    /// The result of a sequence, in its turn; `None` if the search is over before.
+    pub fn wait(&mut self, number: usize) -> Option<Box<Evaluated>> {
+        while !self.results.contains_key(&number) {
+            match self.workers.messages.recv().ok()? {
+                Message::Event(event) => self.tell(&event),
+                Message::Done(number, result) => {
+                    self.results.insert(number, result);
+                }
+                Message::Lost => return None, // its panic comes up when the threads are joined
+            }
+            if self.is_over().is_some() {
+                return None;
+            }
+        }
+        // What was cut off by the end of the search says nothing.
+        self.is_over()
+            .is_none()
+            .then(|| self.results.remove(&number))?
+    }
+
+    /// Takes note of an optimised motion.
+    pub fn take(&mut self, candidate: Candidate, done: Evaluated) {
+        let Candidate {
+            number,
+            sequence,
+            promise,
+            known,
+        } = candidate;
+        self.tell(&Event::Optimised {
+            number,
+            feasible: done.feasible,
+            cost: done.cost,
+            reason: done.reason.clone(),
+        });
+        let reward = match (done.feasible, &known) {
+            (true, _) => self.rewards.of_plan(done.cost),
+            (false, Some(known)) => known.reward,
+            (false, None) => Rewards::of_failure(done.violation),
+        };
+        if done.feasible {
+            self.failures.succeeded(&sequence.states);
+        } else if let Some(phase) = done.worst_phase {
+            self.failures.failed(number, &sequence.states, phase);
+        }
+        let attempt = Attempt {
+            number,
+            labels: sequence.labels.clone(),
+            reached: if done.feasible {
+                Reached::Feasible
+            } else {
+                Reached::Optimised
+            },
+            reason: done.reason.clone(),
+            cost: Some(done.cost),
+            iterations: done.iterations,
+            seconds: done.seconds,
+        };
+        if known.is_some() {
+            self.policy.learn(&sequence.states, reward);
+            self.attempts.push(attempt);
+        } else {
+            self.conclude(&sequence, attempt, reward, Some((&done, promise)));
+        }
+        self.keep(number, sequence, done);
+    }
+
+    /// Keeps a plan, or the motion that comes nearest to one.
+    fn keep(&mut self, number: usize, sequence: Sequence, done: Evaluated) {
+        let Some(point) = done.point else { return };
+        let Some(plan) = done.plan else {
+            if self.is_nearest(done.violation) {
+                self.nearest = Some((done.violation, point, sequence));
+            }
+            return;
+        };
+        let now = self.shop.begin.elapsed().as_secs_f64();
+        self.first_after.get_or_insert(now);
+        self.relatives.extend(done.relative);
+        let many = self.relatives.len().saturating_sub(MOST_RELATIVES);
+        self.relatives.drain(..many);
+        let best = self.diverse.best();
+        let best = best.is_none_or(|best| done.cost < best.alternative.cost);
+        self.tell(&Event::Solution {
+            number,
+            best,
+            plan: Box::new(plan.clone()),
+        });
+        let scene = self.shop.planner.scene;
+        let weight = scene.robot.model.total_mass() * scene.gravity.norm();
+        let alternative = Alternative {
+            number,
+            cost: done.cost,
+            duration: plan.time.last().copied().unwrap_or(0.0),
+            loaded: loaded(&plan, weight),
+            plan,
+        };
+        self.diverse.offer(Kept {
+            alternative,
+            point,
+            sequence,
+        });
+    }
+
+    /// True if there is neither a plan nor a motion that is less violated.
+    fn is_nearest(&self, violation: f64) -> bool {
+        let less = |(least, ..): &(f64, _, _)| violation < *least;
+        self.diverse.best().is_none() && self.nearest.as_ref().is_none_or(less)
+    }
+
+    /// Tells the policy and the journal what became of a sequence; `done` with what keyframes promised.
+    pub fn conclude(
+        &mut self,
+        sequence: &Sequence,
+        attempt: Attempt,
+        reward: f64,
+        done: Option<(&Evaluated, f64)>,
+    ) {
+        self.policy.learn(&sequence.states, reward);
+        let motion = done.map(|(motion, _)| motion);
+        let kept = motion.filter(|m| m.feasible || self.is_nearest(m.violation));
+        let tried = Tried {
+            number: attempt.number,
+            at: self.shop.begin.elapsed().as_secs_f64(),
+            labels: attempt.labels.clone(),
+            states: self.names(sequence),
+            reached: name(attempt.reached).into(),
+            reason: attempt.reason.clone(),
+            promise: done.map(|(_, promise)| promise),
+            cost: attempt.cost,
+            failed_phase: motion.and_then(|m| m.worst_phase),
+            violation: motion.map(|m| m.violation),
+            iterations: attempt.iterations,
+            seconds: attempt.seconds,
+            reward,
+            point: kept.and_then(|m| m.point.as_ref()).map(Into::into),
+        };
+        self.checks.journal.note_sequence(tried);
+        self.attempts.push(attempt);
+    }
+
+    /// Stops what is under way, refines the best plan that can be refined and puts everything together.
+    pub fn finish(mut self, ended: String) -> Outcome {
+        let wanted = !self.is_stopped();
+        self.shop.stop.store(true, Ordering::SeqCst);
+        let feasible = self.diverse.best().is_some();
+        let best = if feasible {
+            self.refined(wanted)
+        } else {
+            self.nearest.take().map(|(_, point, sequence)| {
+                let phases = self.phases(&sequence);
+                let (planner, settings) = (self.shop.planner, self.shop.settings);
+                let mut motion = planner.restore(&phases, settings, point);
+                motion.feasible = false;
+                Found::of(planner.scene, &sequence.labels, &mut motion, Refined::No)
+            })
+        };
+        Outcome {
+            feasible,
+            best,
+            alternatives: self.diverse.plans().map(|kept| kept.alternative).collect(),
+            first_after: self.first_after,
+            attempts: self.attempts,
+            impossible: self.checks.impossible(),
+            ended,
+            seconds: self.shop.begin.elapsed().as_secs_f64(),
+        }
+    }
+
+    /// The cheapest plan whose motion can be refined; if none can, or it is not `wanted`, the cheapest as it is.
+    fn refined(&mut self, wanted: bool) -> Option<Found> {
+        let (planner, settings) = (self.shop.planner, self.shop.settings);
+        let mut first: Option<(Motion, Refined, Vec<String>)> = None;
+        let request = Request {
+            refinement: self.request.refinement.filter(|_| wanted),
+            ..self.request.clone()
+        };
+        for n in 0..self.diverse.len() {
+            let kept = &self.diverse[n];
+            let (phases, labels) = (self.phases(&kept.sequence), kept.sequence.labels.clone());
+            let mut motion = planner.restore(&phases, settings, kept.point.clone());
+            motion.feasible = true;
+            let limits = (&request, self.shop.begin);
+            let (mut motion, refined) =
+                refine::refine(planner, &phases, settings, motion, limits, self.observe);
+            if matches!(refined, Refined::Done { .. }) {
+                return Some(Found::of(planner.scene, &labels, &mut motion, refined));
+            }
+            let failed = matches!(refined, Refined::Failed(_));
+            first.get_or_insert((motion, refined, labels));
+            let late = self.shop.begin.elapsed().as_secs_f64() > request.time_limit;
+            if !failed || late || self.request.stop.is_set() {
+                break;
+            }
+        }
+        first.map(|(mut motion, refined, labels)| {
+            Found::of(planner.scene, &labels, &mut motion, refined)
+        })
+    }
+}
+
+/// The name in files.
+pub(super) fn name(reached: Reached) -> &'static str {
+    match reached {
+        Reached::Keyframes => "keyframes",
+        Reached::Alike => "alike",
+        Reached::Optimised => "optimised",
+        Reached::Feasible => "feasible",
+    }
+}
