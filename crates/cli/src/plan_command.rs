@@ -46,6 +46,8 @@ pub(crate) struct Row {
 impl Row {
     fn of(alternative: &Alternative) -> Self {
         let plan = &alternative.plan;
+        let report = check::check(plan, &check::Options::accept());
+        let slip = report.row("slip_phase").and_then(|row| row.value);
         let limits = plan.robot.torque_limits.as_deref().unwrap_or_default();
         let ratio = |(torque, limit): (&f64, &Option<f64>)| limit.map_or(0.0, |l| torque.abs() / l);
         let ratios = plan
@@ -57,19 +59,12 @@ impl Row {
             duration: alternative.duration,
             cost: alternative.cost,
             torque_margin: 1.0 - ratios.fold(0.0, f64::max),
-            slip: slip(plan),
+            slip: 1e-3 * slip.unwrap_or(0.0), // the checker speaks of millimetres
             loaded: alternative.loaded.len(),
             contacts: story(&alternative.loaded),
-            verdict: Verdict::of(plan),
+            verdict: Verdict::from(&report),
         }
     }
-}
-
-/// Largest slip that the checker finds [m].
-fn slip(plan: &Plan) -> f64 {
-    let report = check::check(plan, &check::Options::accept());
-    let slip = report.row("slip_phase").and_then(|row| row.value);
-    1e-3 * slip.unwrap_or(0.0)
 }
 
 /// The contacts that objects and hands gain, in order.
@@ -93,7 +88,10 @@ pub(crate) struct Verdict {
 impl Verdict {
     /// Judges a plan.
     pub fn of(plan: &Plan) -> Self {
-        let report = check::check(plan, &check::Options::accept());
+        Self::from(&check::check(plan, &check::Options::accept()))
+    }
+
+    fn from(report: &check::Report) -> Self {
         let judged = report
             .rows
             .iter()

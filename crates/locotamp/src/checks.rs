@@ -160,9 +160,7 @@ impl<'a> Checks<'a> {
             return known.clone();
         }
         let clock = Instant::now();
-        let keyframes = self
-            .planner
-            .keyframes_of_prefix_quickly(phases, self.settings);
+        let keyframes = self.planner.keyframes_of_prefix(phases, self.settings);
         let answer = self.answer(states, &keyframes, clock);
         self.journal.note_prefix(answer.clone());
         answer

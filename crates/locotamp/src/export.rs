@@ -71,12 +71,7 @@ pub fn plan(scene: &Scene, labels: &[String], motion: &mut Motion) -> Plan {
         } else {
             Status::Infeasible
         },
-        objective: Some(Objective {
-            name: "time".into(),
-            value: time[n],
-            cost: Some(motion.report.objective),
-            extra: Extra::new(),
-        }),
+        objective: Some(objective(scene, motion, time[n])),
         violation: Some(largest_violation(motion)),
         gravity: scene.gravity.into(),
         integrator: match program.settings.integrator {
@@ -335,4 +330,27 @@ fn geometry(shapes: &[PlacedShape]) -> Vec<Geometry> {
             ),
         })
         .collect()
+}
+
+/// The objective and its value: the duration [s], or how far its body is along its direction at the end [m].
+fn objective(scene: &Scene, motion: &Motion, duration: f64) -> Objective {
+    let along = |body: &str, direction: Vector3<f64>| {
+        let system = &motion.trajectory.program.system;
+        let carrier = ocp::goal_body(scene, system, body)?;
+        let mut kinematics = Kinematics::new(&system.model);
+        kinematics.update(&system.model, motion.point.nodes.last()?);
+        let pose = carrier.world_from_frame(&kinematics);
+        Some(pose.origin().dot(&direction))
+    };
+    let (name, value) = match &scene.objective {
+        scene::Objective::Time => ("time", Some(duration)),
+        scene::Objective::BaseHeight => ("base_height", along("base", Vector3::z())),
+        scene::Objective::Reach { body, direction } => ("reach", along(body, *direction)),
+    };
+    Objective {
+        name: name.into(),
+        value: value.unwrap_or(duration),
+        cost: Some(motion.report.objective),
+        extra: Extra::new(),
+    }
 }

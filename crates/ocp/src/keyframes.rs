@@ -95,13 +95,9 @@ impl Planner<'_> {
         Ask::new(self, phases, settings, Grid::Keyframes).answer()
     }
 
-    /// Keyframes of the beginning of a sequence: the goal need not be reached yet.
+    /// Keyframes of the beginning of a sequence: the goal need not be reached yet. Without the last, slow attempts, since a
+    /// search comes across beginnings by the hundred.
     pub fn keyframes_of_prefix(&self, phases: &[Phase], settings: &Settings) -> Keyframes {
-        Ask::new(self, phases, settings, Grid::OpenKeyframes).answer()
-    }
-
-    /// The same without the last, slow attempts: for beginnings that a search comes across by the hundred.
-    pub fn keyframes_of_prefix_quickly(&self, phases: &[Phase], settings: &Settings) -> Keyframes {
         Ask::new(self, phases, settings, Grid::OpenKeyframes)
             .attempts()
             .0

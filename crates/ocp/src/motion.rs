@@ -9,7 +9,9 @@ use crate::relative_motion::Relative;
 use crate::settings::{Preset, Settings};
 use crate::system::System;
 use scene::Scene;
-use solver::{ElementData, InteriorPoint, Iteration, Options, Problem, Report, Status, Timing};
+use solver::{
+    ElementData, InteriorPoint, Iteration, Options, Problem, Report, Status, Structure, Timing,
+};
 
 /// Rounds of solving with more collision pairs or more clearance.
 const REPAIRS: usize = 4;
@@ -183,14 +185,10 @@ impl<'a> Planner<'a> {
         let none = ExtraClearance::new();
         let program = self.program(phases, settings, Grid::Motion, near(&point.nodes, &none));
         let mut trajectory = Trajectory::new(program);
-        let structure = trajectory.structure().clone();
-        let mut data: Vec<_> = structure.elements.iter().map(ElementData::new).collect();
-        trajectory.evaluate(&point, &mut data);
+        let data = evaluate(&mut trajectory, &point);
+        let structure = trajectory.structure();
         let rows: Vec<f64> = data.iter().flat_map(|d| d.values.iter().copied()).collect();
-        let bounds = structure.elements.iter();
-        let bounds = bounds.flat_map(|e| e.row_lower.iter().zip(&e.row_upper));
-        let over = |(c, (l, u)): (&f64, (&f64, &f64))| (l - c).max(c - u).max(0.0);
-        let violation = rows.iter().zip(bounds).map(over).fold(0.0, f64::max);
+        let violation = largest_violation(&data, structure);
         let report = Report {
             status: Status::Solved,
             iterations: 0,
@@ -336,19 +334,28 @@ pub(crate) fn near<'a>(nodes: &'a [Vec<f64>], extra: &'a ExtraClearance) -> Clea
 /// True if a point violates clearance rows of a program.
 pub(crate) fn violates_new_rows(program: &Program, point: &Point) -> bool {
     let mut trajectory = Trajectory::new(program.clone());
-    let mut data: Vec<_> = program
-        .structure
-        .elements
-        .iter()
-        .map(ElementData::new)
-        .collect();
+    let data = evaluate(&mut trajectory, point);
+    largest_violation(&data, trajectory.structure()) > NEW_TOLERANCE
+}
+
+/// Values of all elements at a point.
+fn evaluate(trajectory: &mut Trajectory, point: &Point) -> Vec<ElementData> {
+    let elements = trajectory.structure().elements.iter();
+    let mut data: Vec<_> = elements.map(ElementData::of_values).collect();
     trajectory.evaluate(point, &mut data);
-    data.iter().zip(&program.structure.elements).any(|(d, e)| {
-        d.values
-            .iter()
-            .zip(e.row_lower.iter().zip(&e.row_upper))
-            .any(|(c, (l, u))| l - c > NEW_TOLERANCE || c - u > NEW_TOLERANCE)
-    })
+    data
+}
+
+/// Largest violation of the rows' bounds (scaled).
+fn largest_violation(data: &[ElementData], structure: &Structure) -> f64 {
+    let mut most = 0.0_f64;
+    for (data, element) in data.iter().zip(&structure.elements) {
+        let bounds = element.row_lower.iter().zip(&element.row_upper);
+        for (value, (lower, upper)) in data.values.iter().zip(bounds) {
+            most = most.max(lower - value).max(value - upper);
+        }
+    }
+    most
 }
 
 /// The most violated row of a report, in units of its label; `None` if no scaled violation exceeds `least`.

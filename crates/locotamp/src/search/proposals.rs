@@ -97,18 +97,17 @@ impl Run<'_> {
             labels: sequence.labels.clone(),
         });
         let known = self.known(&sequence);
-        let (promise, work) = match &known {
-            None => match self.keyframes(number, &sequence, clock) {
-                Some((promise, start)) => (promise, Work::Optimise(start)),
-                None => return true,
-            },
-            Some(tried) => match tried.promise {
-                Some(promise) => (promise, Work::known(tried)),
-                None => {
-                    self.leave_out_again(number, &sequence, tried);
-                    return true;
-                }
-            },
+        let (promise, work) = if let Some(tried) = &known {
+            let Some(promise) = tried.promise else {
+                self.leave_out_again(number, &sequence, tried);
+                return true;
+            };
+            (promise, Work::known(tried))
+        } else {
+            let Some((promise, start)) = self.keyframes(number, &sequence, clock) else {
+                return true;
+            };
+            (promise, Work::Optimise(start))
         };
         let candidate = Candidate {
             number,

@@ -156,7 +156,7 @@ mod tests {
                                 / (4.0 * h * h)
                         };
                         // Richardson: the sharp distance has large fourth derivatives.
-                        let numeric = (4.0 * second(1e-4) - second(2e-4)) / 3.0;
+                        let numeric = (4.0 * second(3e-5) - second(6e-5)) / 3.0;
                         let scale = 200.0 * (1.0 + hessian.amax());
                         close(term.name(), "Hessian", hessian[(i, j)], numeric, scale);
                     }

@@ -53,12 +53,8 @@ impl Policy for Rollouts {
     /// [`Status::Exhausted`] also if many rollouts in a row found nothing new.
     fn next(&mut self, oracle: &mut dyn Oracle) -> Option<Sequence> {
         for _ in 0..MAX_FAILURES {
-            if oracle.stop() {
-                self.status = Status::Stopped;
-                return None;
-            }
-            if self.walker.created >= self.walker.expansion.bounds.max_nodes {
-                self.status = Status::Full;
+            if let Some(status) = self.walker.end(self.walker.created, oracle) {
+                self.status = status;
                 return None;
             }
             self.status = Status::Running;

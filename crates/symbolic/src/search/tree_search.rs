@@ -242,12 +242,8 @@ impl Policy for TreeSearch {
     /// [`Status::Exhausted`] also if many simulations in a row found nothing new.
     fn next(&mut self, oracle: &mut dyn Oracle) -> Option<Sequence> {
         for _ in 0..MAX_FAILURES {
-            if oracle.stop() {
-                self.status = Status::Stopped;
-                return None;
-            }
-            if self.tree.len() >= self.walker.expansion.bounds.max_nodes {
-                self.status = Status::Full;
+            if let Some(status) = self.walker.end(self.tree.len(), oracle) {
+                self.status = status;
                 return None;
             }
             self.status = Status::Running;

@@ -3,6 +3,7 @@
 use crate::contact::InterfaceId;
 use crate::graph::{Node, SkeletonGraph, Successor};
 use crate::search::expansion::{Expansion, Ranked, Units, phases};
+use crate::search::limits::Status;
 use crate::search::oracle::Oracle;
 use crate::search::random::Random;
 use crate::search::sequence::{Sequence, states_along};
@@ -68,6 +69,14 @@ impl Walker {
             temperature: 1.0,
             created: 0,
         }
+    }
+
+    /// How a search that has made `created` steps must end, if it must.
+    pub(crate) fn end(&self, created: usize, oracle: &mut dyn Oracle) -> Option<Status> {
+        if oracle.stop() {
+            return Some(Status::Stopped);
+        }
+        (created >= self.expansion.bounds.max_nodes).then_some(Status::Full)
     }
 
     /// True if the start alone is accepted.
