@@ -5,15 +5,18 @@
 //! supersets of an impossible one are not. An impossible set is reduced to contacts that are all needed for it to be
 //! impossible, so that one rejection concerns as many states as it can.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Instant;
 
 use crate::api::{Impossible, Stop};
 use crate::journal::{Answer, Journal, States};
 use crate::summary;
 use ocp::{Keyframes, Phase, Planner, Settings};
-use scene::{Role, Scene};
+use scene::{Owner, Role, Scene};
 use symbolic::{Contact, ContactState, Oracle, Verdict};
+
+/// Beginnings whose keyframes are remembered.
+const MOST_NODES: usize = 2000;
 
 /// Checks of one scene with one set of options.
 pub(crate) struct Checks<'a> {
@@ -28,6 +31,8 @@ pub(crate) struct Checks<'a> {
     stop: Stop,
     /// What has been answered.
     pub journal: Journal,
+    /// Keyframes of beginnings.
+    nodes: BTreeMap<Vec<ContactState>, Vec<Vec<f64>>>,
     /// Sets that one configuration satisfies.
     possible: BTreeSet<ContactState>,
     /// Smallest sets that none satisfies.
@@ -57,6 +62,7 @@ impl<'a> Checks<'a> {
             time_limit,
             stop,
             journal,
+            nodes: BTreeMap::new(),
             possible: BTreeSet::new(),
             impossible: Vec::new(),
         }
@@ -160,10 +166,54 @@ impl<'a> Checks<'a> {
             return known.clone();
         }
         let clock = Instant::now();
-        let keyframes = self.planner.keyframes_of_prefix(phases, self.settings);
+        let keyframes = self.solve_beginning(phases);
         let answer = self.answer(states, &keyframes, clock);
         self.journal.note_prefix(answer.clone());
         answer
+    }
+
+    /// Keyframes of a whole sequence, goal regions included.
+    pub fn keyframes(&mut self, phases: &[Phase]) -> Keyframes {
+        if let Some(known) = self.nodes(phases) {
+            let from = self
+                .planner
+                .keyframes_after(&known, phases, self.settings, false);
+            if from.possible {
+                return from;
+            }
+        }
+        self.planner.keyframes(phases, self.settings)
+    }
+
+    /// From the keyframes of the longest shorter beginning that had to be checked; if that fails, from nothing.
+    fn solve_beginning(&mut self, phases: &[Phase]) -> Keyframes {
+        let telling = |k: &usize| self.is_telling(&phases[k - 1].state, &phases[*k].state);
+        let shorter = (2..phases.len()).rev().find(|k| telling(&(k - 1)));
+        let known = shorter.and_then(|k| self.nodes(&phases[..k]));
+        let (planner, settings) = (self.planner, self.settings);
+        let from = known.map(|known| planner.keyframes_after(&known, phases, settings, true));
+        let found = match from {
+            Some(from) if from.possible || from.is_hopeless() => from,
+            _ => planner.keyframes_of_prefix(phases, settings),
+        };
+        if found.possible {
+            if self.nodes.len() >= MOST_NODES {
+                self.nodes.clear();
+            }
+            let key = phases.iter().map(|p| p.state.clone()).collect();
+            self.nodes.insert(key, found.nodes.clone());
+        }
+        found
+    }
+
+    /// Keyframes of a beginning; they depend on nothing but the beginning, be they remembered or not.
+    fn nodes(&mut self, phases: &[Phase]) -> Option<Vec<Vec<f64>>> {
+        let key: Vec<ContactState> = phases.iter().map(|p| p.state.clone()).collect();
+        if let Some(known) = self.nodes.get(&key) {
+            return Some(known.clone());
+        }
+        let found = self.solve_beginning(phases);
+        found.possible.then_some(found.nodes)
     }
 
     /// True if the step from one state to the next may take a beginning out of reach: something else than a foot on an
@@ -174,6 +224,39 @@ impl<'a> Checks<'a> {
         let on_ground =
             |c: &Contact| interface(c.a).role == Role::Foot && interface(c.b).half_size.is_none();
         made.into_iter().any(|c| !on_ground(&c))
+    }
+
+    /// The contacts of a state that may exclude one another while objects are where they are at the start: those of the robot
+    /// with the objects and with bounded surfaces, with which the objects' places have to agree. Empty if they concern one
+    /// body only: the robot finds a place beside anything.
+    fn bound_by(&self, state: &ContactState, objects: &[usize]) -> ContactState {
+        let interface = |i: symbolic::InterfaceId| &self.scene.interfaces[i.0];
+        let body = |c: &Contact| match (interface(c.a).owner, interface(c.b).owner) {
+            (Owner::Robot { .. }, Owner::Object(o)) if objects.contains(&o) => Some((0, o)),
+            (Owner::Robot { .. }, Owner::Static(s)) if interface(c.b).half_size.is_some() => {
+                Some((1, s))
+            }
+            _ => None,
+        };
+        let bodies: BTreeSet<_> = state.iter().filter_map(|c| body(&c)).collect();
+        if bodies.len() < 2 {
+            return ContactState::default();
+        }
+        state.iter().filter(|c| body(c).is_some()).collect()
+    }
+
+    /// The contacts of objects with what is no robot.
+    fn resting(&self, state: &ContactState) -> ContactState {
+        let of_robot =
+            |c: &Contact| matches!(self.scene.interfaces[c.a.0].owner, Owner::Robot { .. });
+        state.iter().filter(|c| !of_robot(c)).collect()
+    }
+
+    fn phase(&self, state: ContactState) -> Phase {
+        Phase {
+            state,
+            steps: self.steps,
+        }
     }
 
     /// Contacts that were found to exclude one another, in the order in which they were found.
@@ -195,6 +278,48 @@ impl Oracle for Checks<'_> {
         }
     }
 
+    fn unmoved(&mut self, state: &ContactState, objects: &[usize]) -> Verdict {
+        let bound = self.bound_by(state, objects);
+        if bound.is_empty() {
+            return Verdict::Accept;
+        }
+        // From the start the robot gets there through the air.
+        let start = self.scene.start_state();
+        let air = self.resting(&start);
+        let there = air.iter().chain(bound.iter()).collect();
+        let phases = [start, air, there].map(|state| self.phase(state));
+        let answer = self.beginning(&phases);
+        if answer.possible {
+            return Verdict::Accept;
+        }
+        let reason = format!(
+            "before {} is moved, {} is impossible: {}",
+            objects
+                .iter()
+                .map(|&o| self.scene.objects[o].name.as_str())
+                .collect::<Vec<_>>()
+                .join(" or "),
+            self.names(&bound).join(" with "),
+            answer.reason.unwrap_or_default()
+        );
+        Verdict::RejectContacts(bound, reason)
+    }
+
+    fn set_anew(&mut self, states: &[&ContactState], at: &[usize]) -> bool {
+        let is_foot = |c: &Contact| self.scene.interfaces[c.a.0].role == Role::Foot;
+        let mut phases = vec![];
+        for (k, &state) in states.iter().enumerate() {
+            phases.push(self.phase(state.clone()));
+            if at.contains(&k) {
+                // Geometry does not ask what holds the robot meanwhile.
+                let without = state.iter().filter(|c| !is_foot(c)).collect();
+                phases.push(self.phase(without));
+                phases.push(self.phase(state.clone()));
+            }
+        }
+        self.beginning(&phases).possible
+    }
+
     fn transition(&mut self, from: &ContactState, to: &ContactState) -> Verdict {
         let both = from.iter().chain(to.iter()).collect();
         match self.verdict(&both) {
@@ -210,13 +335,7 @@ impl Oracle for Checks<'_> {
         if !self.is_telling(from, to) {
             return Verdict::Accept;
         }
-        let phases: Vec<Phase> = states
-            .iter()
-            .map(|&state| Phase {
-                state: state.clone(),
-                steps: self.steps,
-            })
-            .collect();
+        let phases: Vec<Phase> = states.iter().map(|&s| self.phase(s.clone())).collect();
         let answer = self.beginning(&phases);
         if answer.possible {
             return Verdict::Accept;

@@ -7,8 +7,8 @@ use std::collections::BTreeMap;
 use symbolic::pddl::{DomainFile, Problem};
 use symbolic::search::{EndCost, ExtraCost, Step};
 use symbolic::{
-    ContactState, ContactType, Costs, Domain, Goal, GraphOptions, InterfaceId, Manipulation,
-    SearchLimits, SkeletonGraph, SymbolicError,
+    Contact, ContactState, ContactType, Costs, Domain, Goal, GraphOptions, InterfaceId,
+    Manipulation, SearchLimits, SkeletonGraph, SymbolicError,
 };
 
 /// Are the goal's objects let go at the end.
@@ -124,9 +124,11 @@ pub fn graph(scene: &Scene) -> Result<(SkeletonGraph, SearchLimits), Error> {
 
 /// Cosine of the slope up to which a surface counts as one to stand on.
 const UPWARD: f64 = 0.98;
-/// Extra cost of landing a foot on the lowest surface rather than on the highest, and of ending there [phases]; only where
-/// the base is to get high.
-const LOW: f64 = 3.0;
+/// Extra cost of ending with a foot on the lowest surface rather than on the highest [phases], where the base is to get high:
+/// more than any way to a higher one costs.
+const LOW: f64 = 100.0;
+/// Cost of a foot set on a wall or a slope: as much as four swings [phases].
+const STEEP: f64 = 8.0;
 
 /// Costs by which sequences are ordered. Where the base is to get high, new surfaces and manipulation are what may help.
 pub(crate) fn costs(scene: &Scene) -> Costs {
@@ -141,24 +143,53 @@ pub(crate) fn costs(scene: &Scene) -> Costs {
     }
 }
 
-/// Costs beside these: where the base is to get high, feet prefer what is high, and sequences end there.
-pub(crate) fn own_costs(scene: &Scene) -> (Option<ExtraCost>, Option<EndCost>) {
+/// Costs beside these: where the base is to get high, of ending low.
+pub(crate) fn end_cost(scene: &Scene) -> Option<EndCost> {
     if scene.objective != Objective::BaseHeight {
-        return (None, None);
+        return None;
     }
     let low = lowness(scene);
-    let low_again = low.clone();
-    let landing = move |step: &Step<'_>| {
-        let feet = step.action.makes.iter();
-        feet.map(|c| low.get(&(c.a, c.b)).copied().unwrap_or(0.0))
-            .sum::<f64>()
+    let feet: Vec<InterfaceId> = (0..scene.interfaces.len())
+        .filter(|&n| scene.interfaces[n].role == Role::Foot)
+        .map(InterfaceId)
+        .collect();
+    Some(Box::new(move |_: &SkeletonGraph, state: &ContactState| {
+        // A foot in the air, or on a wall, is worth no more than one on the ground.
+        let height = |&foot: &InterfaceId| {
+            let under = state.iter().find(|c| c.a == foot)?;
+            low.get(&(foot, under.b)).copied()
+        };
+        feet.iter().map(|foot| height(foot).unwrap_or(LOW)).sum()
+    }))
+}
+
+/// A cost beside these: setting a foot on what does not face up at the start.
+pub(crate) fn own_cost(scene: &Scene) -> ExtraCost {
+    let faces_up = |i: &scene::Interface| match i.owner {
+        Owner::Robot { .. } => false,
+        Owner::Object(o) => {
+            let pose = scene.objects[o].world_from_start * i.body_from_interface;
+            pose.rotate(Vector3::z()).z > UPWARD
+        }
+        Owner::Static(_) => i.body_from_interface.rotate(Vector3::z()).z > UPWARD,
     };
-    let end = move |_: &SkeletonGraph, state: &ContactState| {
-        let feet = state.iter();
-        feet.map(|c| low_again.get(&(c.a, c.b)).copied().unwrap_or(0.0))
-            .sum::<f64>()
-    };
-    (Some(Box::new(landing)), Some(Box::new(end)))
+    let steep: Vec<bool> = scene.interfaces.iter().map(|i| !faces_up(i)).collect();
+    Box::new(move |step: &Step<'_>| {
+        let domain = step.graph.domain();
+        let is_foot = |i| domain.is_effector(i, symbolic::Role::Foot);
+        let odd = |c: &&Contact| is_foot(c.a) && steep[c.b.0];
+        STEEP * step.action.makes.iter().filter(odd).count() as f64
+    })
+}
+
+/// True if where the feet end matters: the search then looks ahead.
+pub(crate) fn looks_ahead(scene: &Scene) -> bool {
+    let of_robot = |i: InterfaceId| matches!(scene.interfaces[i.0].owner, Owner::Robot { .. });
+    let pairs = scene.goal_contacts.iter();
+    scene.objective == Objective::BaseHeight
+        || pairs
+            .into_iter()
+            .any(|pair| of_robot(pair.a) || of_robot(pair.b))
 }
 
 /// For every foot and upward surface how much lower it is, at the start, than the highest: 0 to [`LOW`].

@@ -95,6 +95,34 @@ impl Planner<'_> {
         Ask::new(self, phases, settings, Grid::Keyframes).answer()
     }
 
+    /// Keyframes from those of the first phases, `known`: where the rest begins from the end of these. `open` leaves out the
+    /// goal regions. Only this guess is tried.
+    pub fn keyframes_after(
+        &self,
+        known: &[Vec<f64>],
+        phases: &[Phase],
+        settings: &Settings,
+        open: bool,
+    ) -> Keyframes {
+        let model = &self.system.model;
+        let guess = guess::keyframes(self.scene, &self.system, phases);
+        let last = known.len() - 1;
+        let further = |k: usize| {
+            let moved = model.difference(&guess[last], &guess[k]);
+            model.integrate(&known[last], &moved)
+        };
+        let rest = (known.len()..=phases.len()).map(further);
+        let nodes: Vec<Vec<f64>> = known.iter().cloned().chain(rest).collect();
+        let grid = if open {
+            Grid::OpenKeyframes
+        } else {
+            Grid::Keyframes
+        };
+        let ask = Ask::new(self, phases, settings, grid);
+        let near = ask.near(known, NEAR);
+        ask.solve(nodes, near).0
+    }
+
     /// Keyframes of the beginning of a sequence: the goal need not be reached yet. Without the last, slow attempts, since a
     /// search comes across beginnings by the hundred.
     pub fn keyframes_of_prefix(&self, phases: &[Phase], settings: &Settings) -> Keyframes {
@@ -107,7 +135,7 @@ impl Planner<'_> {
 impl Keyframes {
     /// True if a contact or a goal is far out of reach. A clearance that is far off may be a matter of the guess: something
     /// stands on the wrong side.
-    fn is_hopeless(&self) -> bool {
+    pub fn is_hopeless(&self) -> bool {
         let in_the_way = |w: &Worst| w.label.category == "clearance";
         let worst = self.worst.as_ref().filter(|w| !in_the_way(w));
         worst.is_some() && self.report.violation > HOPELESS
@@ -158,7 +186,7 @@ impl<'a> Ask<'a> {
                 break;
             }
             let near = if rows {
-                self.near(&nodes)
+                self.near(&nodes, GUESS_NEAR)
             } else {
                 Watched::new()
             };
@@ -180,22 +208,15 @@ impl<'a> Ask<'a> {
         (less_violated(first, second), resist, vec![guess, forward])
     }
 
-    /// Rows of all that is near at these configurations.
-    fn near(&self, nodes: &[Vec<f64>]) -> Watched {
+    /// Rows of all that is nearer than `distance` [m] at these configurations of the first nodes.
+    fn near(&self, nodes: &[Vec<f64>], distance: f64) -> Watched {
         let Planner {
             scene, collisions, ..
         } = self.planner;
         let mut watched = Watched::new();
         if self.settings.preset == Preset::Default {
             let program = self.first_program(nodes, &watched);
-            collisions.watch(
-                &program,
-                scene,
-                self.phases,
-                nodes,
-                GUESS_NEAR,
-                &mut watched,
-            );
+            collisions.watch(&program, scene, self.phases, nodes, distance, &mut watched);
         }
         watched
     }

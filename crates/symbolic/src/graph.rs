@@ -18,7 +18,7 @@ use crate::goal::Goal;
 use crate::manipulation::Manipulation;
 use crate::state_rules::{both_sides, state_fault, two_partners};
 use crate::successors::{Change, changes_of, combine};
-use crate::task::Fact;
+use crate::task::{Fact, FactSet};
 use crate::task_graph::{TaskGraph, TaskState};
 use crate::transition_rules::transition_fault;
 
@@ -76,6 +76,8 @@ struct Position {
     engaged: BTreeSet<InterfaceId>,
     /// Some object is held and rests at the same time.
     holds_resting: bool,
+    /// Objects that have not left their places of the start, as far as the task remembers that.
+    unmoved: Vec<usize>,
 }
 
 /// The graph of all contact sequences that follow a skeleton; nodes are found lazily.
@@ -133,7 +135,7 @@ impl SkeletonGraph {
             }
         }
         let positions = (0..skeletons.n_states())
-            .map(|n| position(&domain, manipulation.imposed(skeletons.facts(TaskState(n)))))
+            .map(|n| position(&domain, &manipulation, skeletons.facts(TaskState(n))))
             .collect();
         let free_landings = domain
             .effectors()
@@ -250,6 +252,11 @@ impl SkeletonGraph {
     /// True if at this position some object is held while it rests on a support.
     pub fn holds_resting(&self, position: TaskState) -> bool {
         self.positions[position.0].holds_resting
+    }
+
+    /// Objects that are still where they are at the start, as far as the task remembers that (`moved` of the PDDL domain).
+    pub fn unmoved(&self, position: TaskState) -> &[usize] {
+        &self.positions[position.0].unmoved
     }
 
     /// Robot interfaces that the position leaves free.
@@ -404,7 +411,8 @@ fn check_start(domain: &Domain, start: &ContactState) -> Result<(), SymbolicErro
     })
 }
 
-fn position(domain: &Domain, imposed: ContactState) -> Position {
+fn position(domain: &Domain, manipulation: &Manipulation, facts: &FactSet) -> Position {
+    let imposed = manipulation.imposed(facts);
     let engaged = imposed
         .iter()
         .map(|c| c.a)
@@ -419,7 +427,10 @@ fn position(domain: &Domain, imposed: ContactState) -> Position {
         .filter(|c| engaged.contains(&c.a))
         .filter_map(|c| domain.object_of(c.b));
     let holds_resting = held.into_iter().any(|object| resting.contains(&object));
+    let moved = manipulation.moved.iter().enumerate();
+    let unmoved = moved.filter(|(_, fact)| fact.is_some_and(|fact| !facts.contains(fact)));
     Position {
+        unmoved: unmoved.map(|(object, _)| object).collect(),
         imposed,
         engaged,
         holds_resting,

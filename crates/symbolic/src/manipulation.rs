@@ -7,8 +7,8 @@ use crate::contact::{Contact, ContactState};
 use crate::domain::Domain;
 use crate::error::SymbolicError;
 use crate::goal::Goal;
-use crate::pddl::{DomainFile, Ground, SceneProblem, labels};
-use crate::task::{FactSet, Task};
+use crate::pddl::{Atom, DomainFile, Ground, SceneProblem, labels};
+use crate::task::{Fact, FactSet, Task};
 
 /// A ground task together with the contacts that its facts stand for.
 #[derive(Debug, Clone)]
@@ -17,6 +17,8 @@ pub struct Manipulation {
     pub task: Task,
     /// Per fact the contacts that hold while it is true; empty for a fact that is none about contacts.
     pub meaning: Vec<Vec<Contact>>,
+    /// Per object the fact that it has left its place of the start; `None` where the task does not remember that.
+    pub moved: Vec<Option<Fact>>,
 }
 
 impl Manipulation {
@@ -54,8 +56,15 @@ impl Manipulation {
         let meaning = meaning.collect::<Result<_, _>>()?;
         let names = &scene.problem.objects;
         let labels = labels(file, domain, names, &scene.parts, &ground.actions);
+        let fact = |atom: Atom| ground.atoms.iter().position(|a| *a == atom).map(Fact);
+        let objects = 0..domain.objects().len();
+        let moved = objects.map(|o| scene.moved(o).and_then(fact)).collect();
         let task = ground.task(file, &scene.problem, labels)?;
-        Ok(Self { task, meaning })
+        Ok(Self {
+            task,
+            meaning,
+            moved,
+        })
     }
 
     /// The contacts that a state of the task imposes.

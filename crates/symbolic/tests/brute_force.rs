@@ -16,6 +16,8 @@ struct BruteForce<'d> {
     domain: &'d Domain,
     goal: &'d dyn Fn(&ContactState) -> bool,
     max_actions: usize,
+    /// Objects of which the goal says nothing: whether they have been lifted is part of a manipulation state.
+    elsewhere: Vec<usize>,
     found: Vec<Vec<ContactState>>,
 }
 
@@ -122,18 +124,25 @@ impl BruteForce<'_> {
         next
     }
 
-    fn run(&mut self, path: &mut Vec<ContactState>) {
-        let state = path.last().expect("the start is there").clone();
+    fn run(&mut self, path: &mut Vec<(ContactState, BTreeSet<usize>)>) {
+        let (state, moved) = path.last().expect("the start is there").clone();
         if (self.goal)(&state) {
-            self.found.push(path.clone());
+            self.found
+                .push(path.iter().map(|(state, _)| state.clone()).collect());
             return;
         }
         if path.len() > self.max_actions {
             return;
         }
         for next in self.next(&state) {
-            if !path.contains(&next) {
-                path.push(next);
+            let lifted = self
+                .elsewhere
+                .iter()
+                .filter(|&&o| !self.rests(&state, o).is_empty() && self.rests(&next, o).is_empty());
+            let moved = moved.iter().chain(lifted).copied().collect();
+            let step = (next, moved);
+            if !path.contains(&step) {
+                path.push(step);
                 self.run(path);
                 path.pop();
             }
@@ -176,9 +185,15 @@ fn compare(domain: &Domain, rests: &str, goal: &[(&str, &str)], max_actions: usi
         domain,
         goal: &holds,
         max_actions,
+        elsewhere: (0..domain.objects().len())
+            .filter(|&o| {
+                let ids = pairs.iter().flat_map(|c| [c.a, c.b]);
+                ids.into_iter().all(|id| domain.object_of(id) != Some(o))
+            })
+            .collect(),
         found: Vec::new(),
     };
-    brute.run(&mut vec![state(domain, rests)]);
+    brute.run(&mut vec![(state(domain, rests), BTreeSet::new())]);
     let mut found = imposed_sequences(&graph);
     assert!(found.is_sorted_by_key(Vec::len), "shortest first");
     let count = found.len();

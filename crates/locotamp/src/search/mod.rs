@@ -131,9 +131,13 @@ fn policy(
     let costs = domain::costs(scene);
     match request.search {
         Search::Tree => {
-            let (extra, end) = domain::own_costs(scene);
             let tree = TreeSearch::new(graph, limits, costs, request.seed);
-            Box::new(tree.with_own_costs(extra, end))
+            let tree = tree.with_own_costs(domain::own_cost(scene), domain::end_cost(scene));
+            Box::new(if domain::looks_ahead(scene) {
+                tree.with_outlook()
+            } else {
+                tree
+            })
         }
         Search::BestFirst => Box::new(BestFirst::new(graph, limits, costs)),
         Search::Random => Box::new(Rollouts::new(graph, limits, costs, request.seed)),

@@ -137,7 +137,7 @@ impl Run<'_> {
             return None;
         }
         let phases = self.phases(sequence);
-        let keyframes = self.shop.planner.keyframes(&phases, self.shop.settings);
+        let keyframes = self.checks.keyframes(&phases);
         let possible = keyframes.possible;
         let worst = keyframes.worst.as_ref().filter(|_| !possible);
         let reason = worst.map(|w| summary::words(self.shop.planner.scene, w));

@@ -7,8 +7,10 @@
 ;   can-rest   the object's surface can be put down on the other surface
 ;   can-stick  the same, held in place by it (a peg, a magnet)
 ;   opposite   the two surfaces lie opposite, so that two hands can squeeze the object between them
+;   elsewhere  the goal says nothing of the object: it may help to put it elsewhere, be it on the same surface
 ;
-; holds, squeezes, rests and sticks stand for contacts; busy, gripped and down follow from them.
+; holds, squeezes, rests and sticks stand for contacts; busy, gripped and down follow from them. moved is remembered of
+; objects that may go elsewhere: a box put down a step further on the same floor is not where it was.
 
 (define (domain manipulation)
   (:requirements :strips :typing :negative-preconditions :disjunctive-preconditions :equality
@@ -23,6 +25,7 @@
     (can-rest ?s ?t - surface)
     (can-stick ?s ?t - surface)
     (opposite ?s1 ?s2 - surface)
+    (elsewhere ?o - movable)
 
     (holds ?h - hand ?s - surface)                  ; one hand holds a handle
     (squeezes ?h1 ?h2 - hand ?s1 ?s2 - surface)     ; two hands press on opposite surfaces
@@ -31,7 +34,8 @@
 
     (busy ?h - hand)                                ; the hand holds or squeezes something
     (gripped ?s - surface)                          ; a grasp is on the surface
-    (down ?s - surface))                            ; the surface rests or sticks
+    (down ?s - surface)                             ; the surface rests or sticks
+    (moved ?o - movable))                           ; the object has left its place of the start
 
   ; One hand takes hold of a handle that is free and does not lie on anything.
   (:action grasp
@@ -60,6 +64,7 @@
       (exists (?s - surface) (and (part-of ?s ?o) (gripped ?s)))
       (exists (?s - surface) (and (part-of ?s ?o) (down ?s))))
     :effect (and
+      (when (elsewhere ?o) (moved ?o))
       (forall (?s - surface) (when (part-of ?s ?o) (not (down ?s))))
       (forall (?s ?t - surface) (when (part-of ?s ?o) (and (not (rests ?s ?t)) (not (sticks ?s ?t)))))))
 

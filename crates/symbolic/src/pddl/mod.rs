@@ -19,5 +19,6 @@ pub(crate) use ground::Ground;
 pub(crate) use labels::labels;
 pub use problem::Problem;
 pub use source::PddlError;
+pub(crate) use syntax::Atom;
 pub use syntax::DomainFile;
 pub(crate) use vocabulary::SceneProblem;

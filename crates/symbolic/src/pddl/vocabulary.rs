@@ -11,17 +11,18 @@ use crate::goal::{Goal, GoalPair};
 use std::collections::BTreeSet;
 
 /// Predicates that never change unless the domain's actions change them, with their numbers of arguments.
-const GIVEN: [(&str, usize); 6] = [
+const GIVEN: [(&str, usize); 7] = [
     ("part-of", 2),
     ("can-hold", 2),
     ("can-push", 2),
     ("can-rest", 2),
     ("can-stick", 2),
     ("opposite", 2),
+    ("elsewhere", 1),
 ];
 
 /// Predicates that stand for contacts, and those that follow from them at the start.
-const STATE: [(&str, usize); 8] = [
+const STATE: [(&str, usize); 9] = [
     ("holds", 2),
     ("pushes", 2),
     ("rests", 2),
@@ -30,6 +31,7 @@ const STATE: [(&str, usize); 8] = [
     ("busy", 1),
     ("gripped", 1),
     ("down", 1),
+    ("moved", 1),
 ];
 
 /// What an object of a problem is in the scene.
@@ -78,7 +80,7 @@ impl<'d> SceneProblem<'d> {
             parts: vec![ScenePart::Constant; file.constants.len()],
         };
         scene.name_parts();
-        scene.tell_given();
+        scene.tell_given(goal);
         scene.tell_start(start);
         scene.check_goal(start, goal)?;
         scene.problem.goal = scene.goal(goal, release_at_end);
@@ -150,7 +152,7 @@ impl<'d> SceneProblem<'d> {
         self.tell(name, &interfaces.map(ScenePart::Interface));
     }
 
-    fn tell_given(&mut self) {
+    fn tell_given(&mut self, goal: &Goal) {
         for id in self.domain.ids() {
             if let Some(object) = self.domain.object_of(id) {
                 let parts = [ScenePart::Interface(id), ScenePart::Object(object)];
@@ -165,6 +167,22 @@ impl<'d> SceneProblem<'d> {
         for (one, other) in opposite_pairs(self.domain) {
             self.tell_interfaces("opposite", [one, other]);
         }
+        for object in 0..self.domain.objects().len() {
+            if !self.is_named(goal, object) {
+                self.tell("elsewhere", &[ScenePart::Object(object)]);
+            }
+        }
+    }
+
+    /// True if the goal speaks of the object.
+    fn is_named(&self, goal: &Goal, object: usize) -> bool {
+        let mut ids = goal.pairs.iter().flat_map(|pair| [pair.a, pair.b]);
+        ids.any(|id| self.domain.object_of(id) == Some(object))
+    }
+
+    /// The atom that says that an object has left its place, if the domain has such a predicate.
+    pub fn moved(&self, object: usize) -> Option<Atom> {
+        self.atom("moved", &[ScenePart::Object(object)])
     }
 
     fn tell_start(&mut self, start: &ContactState) {
@@ -243,10 +261,7 @@ impl<'d> SceneProblem<'d> {
         let matches = |contact: &Contact| goal.pairs.iter().any(|pair| pair.matches(contact));
         for grasp in grasps(self.domain) {
             let object = self.domain.object_of(grasp[0].b);
-            let ids = goal.pairs.iter().flat_map(|pair| [pair.a, pair.b]);
-            let named = ids
-                .into_iter()
-                .any(|id| self.domain.object_of(id) == object);
+            let named = object.is_some_and(|object| self.is_named(goal, object));
             if !release_at_end || !named || grasp.iter().any(matches) {
                 continue;
             }

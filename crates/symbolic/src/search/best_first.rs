@@ -122,7 +122,12 @@ impl BestFirst {
 
     fn judge(&mut self, index: u32, oracle: &mut dyn Oracle) {
         let path = states_along(&self.edges(index));
-        if !self.verdicts.accepts(&self.expansion.graph, &path, oracle) {
+        let graph = &self.expansion.graph;
+        let position = self.tree[index as usize].edge.node.position;
+        if !self
+            .verdicts
+            .accepts(graph, &path, graph.unmoved(position), oracle)
+        {
             return;
         }
         let Beginning {

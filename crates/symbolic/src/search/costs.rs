@@ -38,7 +38,8 @@ pub struct Costs {
     pub phase: f64,
     /// Every change of a free interface that comes together with another change.
     pub simultaneous: f64,
-    /// Every phase in which no foot touches anything and no free hand touches a static body.
+    /// Every phase in which nothing carries the robot: no foot on what stands, no hand on a static body; and every landing of
+    /// a foot on an object that is in the air itself.
     pub flight: f64,
     /// Every supporting contact that a free hand makes, or keeps when it lets go.
     pub hand_support: f64,
@@ -60,13 +61,15 @@ pub struct Costs {
 
 /// A little more than one foot swing [phases].
 const ODDITY: f64 = 2.2;
+/// As much as six foot swings [phases]: a jump is for where nothing else leads.
+const FLIGHT: f64 = 12.0;
 
 impl Default for Costs {
     fn default() -> Self {
         Self {
             phase: 1.0,
             simultaneous: ODDITY + 1.0, // it saves a phase
-            flight: ODDITY,
+            flight: FLIGHT,
             hand_support: ODDITY + 1.0,
             new_surface: ODDITY,
             manipulate_in_swing: ODDITY,
@@ -115,6 +118,8 @@ impl Costs {
         } else {
             0.0
         };
+        let on_loose = |c: &&&Contact| after.contains(c) && !stands(graph, after, c.b);
+        cost += self.flight * count(feet.iter().filter(on_loose).count());
         let kept = graph.kept(step.from, step.to).count();
         cost +=
             self.hand_support * count(kept + free.len() - feet.len() - hand_breaks(step, &free));
@@ -174,14 +179,44 @@ fn hand_breaks(step: &Step<'_>, free: &[Contact]) -> usize {
     free.iter().filter(is_hand_break).count()
 }
 
+/// True if nothing carries the robot: neither a foot on what stands, nor a hand on a static body.
 fn is_flight(graph: &SkeletonGraph, node: Node) -> bool {
     let domain = graph.domain();
+    let state = graph.state(node.state);
     let carries = |c: &Contact| {
-        let on_static = matches!(domain.interface(c.b).owner, Owner::Static(_));
-        domain.is_effector(c.a, Role::Foot)
-            || domain.interface(c.a).owner == Owner::Robot && on_static
+        domain.interface(c.a).owner == Owner::Robot
+            && (domain.is_effector(c.a, Role::Foot) || domain.object_of(c.b).is_none())
+            && stands(graph, state, c.b)
     };
-    !graph.state(node.state).iter().any(|c| carries(&c))
+    !state.iter().any(|c| carries(&c))
+}
+
+/// True if the body of a surface is static, or an object that rests on one, be it on others in between.
+fn stands(graph: &SkeletonGraph, state: &ContactState, surface: InterfaceId) -> bool {
+    let domain = graph.domain();
+    let Some(object) = domain.object_of(surface) else {
+        return true;
+    };
+    let mut grounded = vec![object];
+    let mut next = 0;
+    while let Some(&object) = grounded.get(next) {
+        next += 1;
+        for contact in state.iter() {
+            match (
+                domain.interface(contact.a).owner,
+                domain.interface(contact.b).owner,
+            ) {
+                (Owner::Object(o), Owner::Static(_)) if o == object => return true,
+                (Owner::Object(o), Owner::Object(under))
+                    if o == object && !grounded.contains(&under) =>
+                {
+                    grounded.push(under);
+                }
+                _ => {}
+            }
+        }
+    }
+    false
 }
 
 fn is_new_surface(graph: &SkeletonGraph, after: &ContactState, contact: &Contact) -> bool {

@@ -9,6 +9,9 @@ use crate::domain::Role;
 use crate::graph::{Node, SkeletonGraph, StateId, Successor};
 use crate::search::costs::{Costs, EndCost, ExtraCost, Step};
 use crate::search::limits::{Bounds, Ending};
+use crate::search::oracle::Oracle;
+use crate::search::outlook::Outlook;
+use crate::search::verdicts::Verdicts;
 use crate::task_graph::TaskState;
 
 /// Costs are ordered as whole multiples of 1e-6 phases, so that sums do not depend on their order.
@@ -41,6 +44,7 @@ pub(crate) struct Expansion {
     pub(crate) costs: Costs,
     pub(crate) extra: Option<ExtraCost>,
     pub(crate) end: Option<EndCost>,
+    pub(crate) outlook: Option<Outlook>,
     pub(crate) bounds: Bounds,
     lists: Vec<Vec<Ranked>>,
     index: BTreeMap<(Node, Option<InterfaceId>), usize>,
@@ -62,6 +66,7 @@ impl Expansion {
             costs,
             extra: None,
             end: None,
+            outlook: None,
             bounds,
             lists: Vec::new(),
             index: BTreeMap::new(),
@@ -89,7 +94,29 @@ impl Expansion {
     }
 
     /// `None` if the goal is out of reach behind the edge.
-    fn rank(&self, from: Node, edge: Successor, last_foot: Option<InterfaceId>) -> Option<Ranked> {
+    fn rank(
+        &mut self,
+        from: Node,
+        edge: Successor,
+        last_foot: Option<InterfaceId>,
+    ) -> Option<Ranked> {
+        let (cost, lifted) = self.cost(from, edge, last_foot);
+        let behind = self.behind(edge.node)?;
+        Some(Ranked {
+            edge,
+            last_foot: lifted.or(last_foot),
+            cost,
+            rank: cost + behind,
+        })
+    }
+
+    /// The cost of an edge, and the foot that is lifted.
+    pub(crate) fn cost(
+        &self,
+        from: Node,
+        edge: Successor,
+        last_foot: Option<InterfaceId>,
+    ) -> (Units, Option<InterfaceId>) {
         let graph = &self.graph;
         let action = Action::between(graph.state(from.state), graph.state(edge.node.state));
         let is_foot = |i: InterfaceId| graph.domain().is_effector(i, Role::Foot);
@@ -104,14 +131,33 @@ impl Expansion {
         };
         let extra = self.extra.as_ref().map_or(0.0, |extra| extra(&step));
         let cost = units(self.costs.step(&step).max(self.costs.phase)) + units(extra);
-        let behind = self.phases_behind(edge.node)?;
-        let rank = cost + units(self.costs.phase) * behind as Units;
-        Some(Ranked {
-            edge,
-            last_foot: lifted.or(last_foot),
-            cost,
-            rank,
-        })
+        (cost, lifted)
+    }
+
+    /// What a node is expected to cost until the end: by the outlook, or the phases that are needed at least; `None` if the
+    /// goal is out of reach.
+    pub(crate) fn behind(&mut self, node: Node) -> Option<Units> {
+        let ahead = self.outlook.as_ref();
+        match ahead.and_then(|outlook| outlook.to_go(&mut self.graph, node)) {
+            Some(known) => known,
+            None => {
+                let behind = self.phases_behind(node)?;
+                Some(units(self.costs.phase) * behind as Units)
+            }
+        }
+    }
+
+    /// Brings the outlook, if there is one, up to what is known.
+    pub(crate) fn look_ahead(&mut self, verdicts: &mut Verdicts, oracle: &mut dyn Oracle) {
+        let Some(mut outlook) = self.outlook.take() else {
+            return;
+        };
+        if outlook.update(&self.graph, verdicts) {
+            outlook.settle(&self.graph, verdicts, oracle);
+            self.lists.clear();
+            self.index.clear();
+        }
+        self.outlook = Some(outlook);
     }
 
     /// A lower bound on the phases after a node, as far as it does not depend on the path.

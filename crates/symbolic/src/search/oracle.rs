@@ -24,6 +24,11 @@ pub trait Oracle {
         Verdict::Accept
     }
 
+    /// The same while objects are where they are at the start, not having been moved yet. Asked for states that are accepted.
+    fn unmoved(&mut self, _state: &ContactState, _objects: &[usize]) -> Verdict {
+        Verdict::Accept
+    }
+
     /// Can the one follow the other? Asked for states that are accepted.
     fn transition(&mut self, _from: &ContactState, _to: &ContactState) -> Verdict {
         Verdict::Accept
@@ -32,6 +37,12 @@ pub trait Oracle {
     /// Can a sequence begin with s_1 … s_k? Asked before it is extended or returned; s_1 … s_{k−1} is accepted.
     fn prefix(&mut self, _states: &[&ContactState]) -> Verdict {
         Verdict::Accept
+    }
+
+    /// Could a sequence that is rejected as a whole begin with s_1 … s_k if the feet were set anew, on the same surfaces, in
+    /// the states of these positions? True if steps there may help.
+    fn set_anew(&mut self, _states: &[&ContactState], _at: &[usize]) -> bool {
+        false
     }
 
     /// True to end the search at once (time limit, interrupt); it can be resumed.

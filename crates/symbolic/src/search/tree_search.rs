@@ -9,14 +9,15 @@
 //! Source: UCT, Kocsis and Szepesvári 2006; progressive widening, Coulom 2007, Couëtoux and others 2011; the paper, section
 //! "Implementation Details".
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::contact::ContactState;
-use crate::graph::{SkeletonGraph, StateId};
+use crate::graph::{Node, SkeletonGraph, StateId};
 use crate::search::costs::{Costs, EndCost, ExtraCost};
-use crate::search::expansion::Expansion;
+use crate::search::expansion::{Expansion, Ranked, phases};
 use crate::search::limits::{SearchLimits, Status};
 use crate::search::oracle::Oracle;
+use crate::search::outlook::Outlook;
 use crate::search::policy::Policy;
 use crate::search::sequence::{Sequence, states_along};
 use crate::search::verdicts::{Counts, Rejected, Rejection};
@@ -38,8 +39,8 @@ const DEAD_END: f64 = 0.1;
 struct TreeNode {
     parent: usize,
     walk: Walk,
-    /// Position in the list of ranked successors of the next one that may become a child.
-    next: usize,
+    /// Successors that have become children, or been rejected.
+    tried: BTreeSet<Node>,
     children: Vec<usize>,
     visits: f64,
     /// Sum of the rewards.
@@ -80,9 +81,17 @@ impl TreeSearch {
 
     /// Adds costs of the caller's, of steps and of ends; to be called before the first sequence is asked for.
     #[must_use]
-    pub fn with_own_costs(mut self, extra: Option<ExtraCost>, end: Option<EndCost>) -> Self {
-        self.walker.expansion.extra = extra;
+    pub fn with_own_costs(mut self, extra: ExtraCost, end: Option<EndCost>) -> Self {
+        self.walker.expansion.extra = Some(extra);
         self.walker.expansion.end = end;
+        self
+    }
+
+    /// Has the search look ahead ([`Outlook`]), if that part of the graph is not too large; after the costs are given.
+    #[must_use]
+    pub fn with_outlook(mut self) -> Self {
+        let expansion = &mut self.walker.expansion;
+        expansion.outlook = Outlook::explore(expansion);
         self
     }
 
@@ -93,7 +102,7 @@ impl TreeSearch {
             ended,
             parent,
             walk,
-            next: 0,
+            tried: BTreeSet::new(),
             children: Vec::new(),
             visits: 0.0,
             value: 0.0,
@@ -137,25 +146,63 @@ impl TreeSearch {
             return None;
         }
         let walk = node.walk.clone();
-        let list = self.walker.expansion.list(walk.node, walk.last_foot);
-        loop {
-            let next = *self.walker.expansion.ranked(list).get(self.tree[at].next)?;
-            let follows =
-                self.walker
-                    .expansion
-                    .may_follow(&next.edge, walk.n_phases(), &walk.visited);
-            if follows && oracle.stop() {
+        while let Some(next) = self.next_successor(at) {
+            if oracle.stop() {
                 return None;
             }
-            self.tree[at].next += 1;
-            if follows && self.walker.accepts(&walk, &next, oracle) {
-                let mut longer = walk;
-                longer.take(&next);
-                let child = self.add(at, longer);
-                self.tree[at].children.push(child);
-                return Some(child);
+            if self.walker.accepts(&walk, &next, oracle) {
+                return Some(self.extend(at, &next));
+            }
+            self.tree[at].tried.insert(next.edge.node);
+            if let Some(mended) = self.walker.mend(&walk, &next, oracle) {
+                return Some(self.graft(&mended));
             }
         }
+        None
+    }
+
+    /// The cheapest successor of a node that has not been tried.
+    fn next_successor(&mut self, at: usize) -> Option<Ranked> {
+        let Self { walker, tree, .. } = self;
+        let TreeNode { walk, tried, .. } = &tree[at];
+        let expansion = &mut walker.expansion;
+        let list = expansion.list(walk.node, walk.last_foot);
+        let new = |next: &&Ranked| {
+            !tried.contains(&next.edge.node)
+                && expansion.may_follow(&next.edge, walk.n_phases(), &walk.visited)
+        };
+        expansion.ranked(list).iter().find(new).copied()
+    }
+
+    /// The child of a node behind a successor, new if there is none.
+    fn extend(&mut self, at: usize, next: &Ranked) -> usize {
+        let edge = next.edge;
+        let is_same = |&&child: &&usize| self.tree[child].walk.edges.last() == Some(&edge);
+        if let Some(&child) = self.tree[at].children.iter().find(is_same) {
+            return child;
+        }
+        let mut longer = self.tree[at].walk.clone();
+        longer.take(next);
+        let child = self.add(at, longer);
+        self.tree[at].tried.insert(edge.node);
+        self.tree[at].children.push(child);
+        child
+    }
+
+    /// The tree node at the end of a walk to which steps were added; it and those on the way become part of the tree.
+    fn graft(&mut self, walk: &Walk) -> usize {
+        let mut at = 0;
+        for edge in &walk.edges[..walk.mended] {
+            let TreeNode { walk, .. } = &self.tree[at];
+            let expansion = &mut self.walker.expansion;
+            let list = expansion.list(walk.node, walk.last_foot);
+            let ranked = expansion.ranked(list).iter();
+            let Some(next) = ranked.into_iter().find(|next| next.edge == *edge).copied() else {
+                break; // ruled out since
+            };
+            at = self.extend(at, &next);
+        }
+        at
     }
 
     /// True if sequences end at the node.
@@ -168,13 +215,10 @@ impl TreeSearch {
 
     /// True if every successor has been tried and no child is open.
     fn is_exhausted(&mut self, at: usize) -> bool {
-        let walk = &self.tree[at].walk;
-        let (node, last_foot) = (walk.node, walk.last_foot);
-        let list = self.walker.expansion.list(node, last_foot);
-        let all = self.tree[at].next >= self.walker.expansion.ranked(list).len();
         let open = |&child: &usize| !self.tree[child].closed;
         let ended = self.tree[at].ended;
-        ended && (self.is_leaf(at) || all && !self.tree[at].children.iter().any(open))
+        let children = self.tree[at].children.iter().any(open);
+        ended && (self.is_leaf(at) || !children && self.next_successor(at).is_none())
     }
 
     /// The open child with the largest upper confidence bound; of equal ones the first.
@@ -230,11 +274,12 @@ impl TreeSearch {
     }
 
     /// What a walk that ended before the goal is worth.
-    fn dead_end(&self, walk: &Walk) -> f64 {
-        let graph = &self.walker.expansion.graph;
-        let remaining = |node| graph.remaining(node).map_or(f64::INFINITY, |n| n as f64);
-        let all = remaining(graph.root()).max(1.0);
-        DEAD_END * (1.0 - remaining(walk.node) / all).max(0.0)
+    fn dead_end(&mut self, walk: &Walk) -> f64 {
+        let expansion = &mut self.walker.expansion;
+        let root = expansion.graph.root();
+        let mut behind = |node| expansion.behind(node).map_or(f64::INFINITY, phases);
+        let (here, all) = (behind(walk.node), behind(root));
+        DEAD_END * (1.0 - here / all.max(1.0)).max(0.0)
     }
 }
 
@@ -250,6 +295,12 @@ impl Policy for TreeSearch {
             if self.tree[0].closed || !self.walker.may_begin(oracle) {
                 break;
             }
+            let Walker {
+                expansion,
+                verdicts,
+                ..
+            } = &mut self.walker;
+            expansion.look_ahead(verdicts, oracle);
             let Some((at, ends)) = self.select(oracle) else {
                 continue;
             };
@@ -261,6 +312,11 @@ impl Policy for TreeSearch {
             if !complete && oracle.stop() {
                 continue; // it might have gone on
             }
+            let at = if walk.mended > self.tree[at].walk.edges.len() {
+                self.graft(&walk)
+            } else {
+                at
+            };
             self.visit(at);
             let path = states_along(&walk.edges);
             if complete && !self.returned.contains_key(&path) {

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::contact::ContactState;
-use crate::graph::{SkeletonGraph, StateId};
+use crate::graph::{Node, SkeletonGraph, StateId};
 use crate::search::oracle::{Oracle, Verdict};
 
 /// What was rejected.
@@ -13,6 +13,8 @@ pub enum Rejected {
     State(ContactState),
     /// Every contact state that contains these contacts.
     Contacts(ContactState),
+    /// Every contact state that contains these contacts while none of these objects has been moved.
+    Unmoved(ContactState, Vec<usize>),
     /// A transition, wherever it occurs.
     Transition(ContactState, ContactState),
     /// Every sequence that begins with these states, or is equal to them.
@@ -50,6 +52,10 @@ pub struct Counts {
 pub(crate) struct Verdicts {
     states: BTreeMap<StateId, bool>,
     rejected_contacts: Vec<ContactState>,
+    /// Per state and objects that have not been moved.
+    unmoved: BTreeMap<(StateId, Vec<usize>), bool>,
+    /// Contacts that exclude one another while these objects have not been moved.
+    rejected_unmoved: Vec<(ContactState, Vec<usize>)>,
     transitions: BTreeMap<(StateId, StateId), bool>,
     rejected_prefixes: BTreeSet<Vec<StateId>>,
     accepted_prefixes: Option<BTreeSet<Vec<StateId>>>,
@@ -72,18 +78,22 @@ impl Verdicts {
         &self.rejections
     }
 
-    /// Judges the last state, the last transition and the whole of a path whose beginning is accepted.
+    /// Judges the last state, the last transition and the whole of a path whose beginning is accepted; `unmoved` are the
+    /// objects that have not been moved on it.
     pub(crate) fn accepts(
         &mut self,
         graph: &SkeletonGraph,
         path: &[StateId],
+        unmoved: &[usize],
         oracle: &mut dyn Oracle,
     ) -> bool {
         let Some(&last) = path.last() else {
             return true;
         };
         self.counts.judged += 1;
-        if !self.accepts_state(graph, last, oracle) {
+        if !self.accepts_state(graph, last, oracle)
+            || !self.accepts_unmoved(graph, last, unmoved, oracle)
+        {
             self.counts.dropped_by_state += 1;
             return false;
         }
@@ -98,7 +108,7 @@ impl Verdicts {
         accepted
     }
 
-    fn accepts_state(
+    pub(crate) fn accepts_state(
         &mut self,
         graph: &SkeletonGraph,
         id: StateId,
@@ -120,7 +130,84 @@ impl Verdicts {
         accepted
     }
 
-    fn accepts_transition(
+    /// Judges a state in which objects are still where they are at the start.
+    fn accepts_unmoved(
+        &mut self,
+        graph: &SkeletonGraph,
+        id: StateId,
+        objects: &[usize],
+        oracle: &mut dyn Oracle,
+    ) -> bool {
+        if objects.is_empty() {
+            return true;
+        }
+        let key = (id, objects.to_vec());
+        if let Some(&known) = self.unmoved.get(&key) {
+            return known;
+        }
+        let state = graph.state(id);
+        let accepted = !self.is_rejected_unmoved(state, objects)
+            && match oracle.unmoved(state, objects) {
+                Verdict::Accept => true,
+                Verdict::Reject(reason) => {
+                    self.reject_unmoved(state.clone(), objects, reason);
+                    false
+                }
+                Verdict::RejectContacts(contacts, reason) => {
+                    self.reject_unmoved(contacts, objects, reason);
+                    false
+                }
+            };
+        self.unmoved.insert(key, accepted);
+        accepted
+    }
+
+    fn is_rejected_unmoved(&self, state: &ContactState, objects: &[usize]) -> bool {
+        self.rejected_unmoved.iter().any(|(contacts, unmoved)| {
+            contacts.is_subset(state) && unmoved.iter().all(|o| objects.contains(o))
+        })
+    }
+
+    fn reject_unmoved(&mut self, contacts: ContactState, objects: &[usize], reason: String) {
+        self.rejections.push(Rejection {
+            what: Rejected::Unmoved(contacts.clone(), objects.to_vec()),
+            reason,
+        });
+        self.rejected_unmoved.push((contacts, objects.to_vec()));
+    }
+
+    /// Judges two nodes, the first of which is accepted, and the transition between them.
+    pub(crate) fn accepts_step(
+        &mut self,
+        graph: &SkeletonGraph,
+        from: Node,
+        to: Node,
+        oracle: &mut dyn Oracle,
+    ) -> bool {
+        self.accepts_state(graph, to.state, oracle)
+            && self.accepts_unmoved(graph, to.state, graph.unmoved(to.position), oracle)
+            && self.accepts_transition(graph, from.state, to.state, oracle)
+    }
+
+    /// True if nothing is known against a node.
+    pub(crate) fn is_open(&self, graph: &SkeletonGraph, node: Node) -> bool {
+        let state = graph.state(node.state);
+        self.states.get(&node.state) != Some(&false)
+            && !self.rejected_contacts.iter().any(|c| c.is_subset(state))
+            && !self.is_rejected_unmoved(state, graph.unmoved(node.position))
+    }
+
+    /// True if a transition was rejected.
+    pub(crate) fn is_barred(&self, from: StateId, to: StateId) -> bool {
+        self.transitions.get(&(from, to)) == Some(&false)
+    }
+
+    /// True if a beginning was rejected as a whole.
+    pub(crate) fn is_rejected_as_beginning(&self, path: &[StateId]) -> bool {
+        self.rejected_prefixes.contains(path)
+    }
+
+    pub(crate) fn accepts_transition(
         &mut self,
         graph: &SkeletonGraph,
         from: StateId,
@@ -138,7 +225,7 @@ impl Verdicts {
         accepted
     }
 
-    fn accepts_prefix(
+    pub(crate) fn accepts_prefix(
         &mut self,
         graph: &SkeletonGraph,
         path: &[StateId],
@@ -201,6 +288,10 @@ impl Verdicts {
                 self.states.insert(graph.intern(state), false);
             }
             Rejected::Contacts(contacts) => self.reject_contacts(graph, contacts),
+            Rejected::Unmoved(contacts, objects) => {
+                let all = (contacts.clone(), objects.clone());
+                self.rejected_unmoved.push(all);
+            }
             Rejected::Transition(from, to) => {
                 self.transitions
                     .insert((graph.intern(from), graph.intern(to)), false);

@@ -1,7 +1,9 @@
 //! Random walks through the graph: each step with probability ∝ exp(−rank / temperature) among those that are accepted.
 
+use std::collections::BTreeSet;
+
 use crate::contact::InterfaceId;
-use crate::graph::{Node, SkeletonGraph, Successor};
+use crate::graph::{Node, SkeletonGraph, StateId, Successor};
 use crate::search::expansion::{Expansion, Ranked, Units, phases};
 use crate::search::limits::Status;
 use crate::search::oracle::Oracle;
@@ -19,6 +21,8 @@ pub(crate) struct Walk {
     /// The skeleton positions visited, each once, in order.
     pub(crate) visited: Vec<TaskState>,
     pub(crate) cost: Units,
+    /// Number of edges, if steps were put in before the last of them; 0 if none were.
+    pub(crate) mended: usize,
 }
 
 impl Walk {
@@ -31,6 +35,7 @@ impl Walk {
             last_foot: None,
             visited: vec![node.position],
             cost: 0,
+            mended: 0,
         }
     }
 
@@ -48,6 +53,14 @@ impl Walk {
     }
 }
 
+/// How a walk goes on.
+enum Drawn {
+    /// One step further.
+    Step(Ranked),
+    /// That step after some more before it.
+    Mended(Walk),
+}
+
 /// What walks need: graph, costs, verdicts and chance.
 #[derive(Debug)]
 pub(crate) struct Walker {
@@ -58,6 +71,8 @@ pub(crate) struct Walker {
     pub(crate) temperature: f64,
     /// Steps that were judged.
     pub(crate) created: usize,
+    /// Beginnings for which no steps were found that help, or for which they have been found.
+    pub(crate) beyond_mending: BTreeSet<Vec<StateId>>,
 }
 
 impl Walker {
@@ -68,6 +83,7 @@ impl Walker {
             random: Random::new(seed),
             temperature: 1.0,
             created: 0,
+            beyond_mending: BTreeSet::new(),
         }
     }
 
@@ -85,7 +101,7 @@ impl Walker {
         self.expansion.may_begin()
             && self
                 .verdicts
-                .accepts(&self.expansion.graph, &[root], oracle)
+                .accepts(&self.expansion.graph, &[root], &[], oracle)
     }
 
     /// Walks on to a complete sequence; false if that comes to a dead end, the walk then ends there.
@@ -99,21 +115,36 @@ impl Walker {
             if !goes_on {
                 return false;
             }
-            let Some(next) = self.draw(walk, oracle) else {
-                return false;
-            };
-            walk.take(&next);
+            match self.draw(walk, oracle) {
+                Some(Drawn::Step(next)) => walk.take(&next),
+                Some(Drawn::Mended(mended)) => *walk = mended,
+                None => return false,
+            }
         }
     }
 
-    /// Draws whether a walk ends in a complete state although it could go on: half of them do, less where ending costs.
+    /// Draws whether a walk ends in a complete state although it could go on. With an outlook the end is weighed against the
+    /// best step as steps are against each other; without, half of the walks end, less where ending costs.
     pub(crate) fn ends_here(&mut self, walk: &Walk) -> bool {
-        let cost = phases(self.expansion.end_cost(walk.node.state));
-        self.random.uniform() < 0.5 * (-cost / self.temperature).exp()
+        let here = phases(self.expansion.end_cost(walk.node.state));
+        let share = if self.expansion.outlook.is_some() {
+            let list = self.expansion.list(walk.node, walk.last_foot);
+            let follows = |next: &&Ranked| {
+                self.expansion
+                    .may_follow(&next.edge, walk.n_phases(), &walk.visited)
+            };
+            let best = self.expansion.ranked(list).iter().find(follows);
+            let on = best.map_or(f64::INFINITY, |next| phases(next.rank));
+            1.0 / (1.0 + ((here - on) / self.temperature).exp())
+        } else {
+            0.5 * (-here / self.temperature).exp()
+        };
+        self.random.uniform() < share
     }
 
-    /// Draws until a step is accepted; `None` if all are rejected, or if the oracle stops.
-    fn draw(&mut self, walk: &Walk, oracle: &mut dyn Oracle) -> Option<Ranked> {
+    /// Draws until a step is accepted, or can be made possible by steps before; `None` if all are rejected, or if the oracle
+    /// stops.
+    fn draw(&mut self, walk: &Walk, oracle: &mut dyn Oracle) -> Option<Drawn> {
         let list = self.expansion.list(walk.node, walk.last_foot);
         let follow = |next: &&Ranked| {
             self.expansion
@@ -129,7 +160,10 @@ impl Walker {
                 return None;
             }
             if self.accepts(walk, &choices[n], oracle) {
-                return Some(choices[n]);
+                return Some(Drawn::Step(choices[n]));
+            }
+            if let Some(mended) = self.mend(walk, &choices[n], oracle) {
+                return Some(Drawn::Mended(mended));
             }
             weights[n] = 0.0;
         }
@@ -141,7 +175,9 @@ impl Walker {
         self.created += 1;
         let mut path = states_along(&walk.edges);
         path.push(next.edge.node.state);
-        self.verdicts.accepts(&self.expansion.graph, &path, oracle)
+        let graph = &self.expansion.graph;
+        let unmoved = graph.unmoved(next.edge.node.position);
+        self.verdicts.accepts(graph, &path, unmoved, oracle)
     }
 
     /// The walk as a complete sequence.
