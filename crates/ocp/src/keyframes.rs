@@ -33,6 +33,8 @@ const PROGRESS: f64 = 0.1;
 /// Violation (m, rad) from which no other guess is tried: out of reach, not caught in a local minimum
 /// (benches/runs/2026-11-21-tree-search.md).
 const HOPELESS: f64 = 0.1;
+/// Phases of a beginning up to which the slow attempts are made too.
+const CAREFUL_PHASES: usize = 8;
 /// Phases that are solved together for a guess.
 const WINDOW: usize = 3;
 /// Largest violation of a keyframe set that still counts as possible, in the rows' own units (m, rad).
@@ -104,31 +106,51 @@ impl Planner<'_> {
         settings: &Settings,
         open: bool,
     ) -> Keyframes {
+        self.keyframes_near(&self.guess_after(known, phases), phases, settings, open)
+    }
+
+    /// A guess of all keyframes from those of the first phases, which may be none.
+    pub fn guess_after(&self, known: &[Vec<f64>], phases: &[Phase]) -> Vec<Vec<f64>> {
         let model = &self.system.model;
         let guess = guess::keyframes(self.scene, &self.system, phases);
-        let last = known.len() - 1;
+        let Some(last) = known.len().checked_sub(1) else {
+            return guess;
+        };
         let further = |k: usize| {
             let moved = model.difference(&guess[last], &guess[k]);
             model.integrate(&known[last], &moved)
         };
         let rest = (known.len()..=phases.len()).map(further);
-        let nodes: Vec<Vec<f64>> = known.iter().cloned().chain(rest).collect();
+        known.iter().cloned().chain(rest).collect()
+    }
+
+    /// Keyframes from a guess of all configurations; `open` leaves out the goal regions. Only this guess is tried.
+    pub fn keyframes_near(
+        &self,
+        nodes: &[Vec<f64>],
+        phases: &[Phase],
+        settings: &Settings,
+        open: bool,
+    ) -> Keyframes {
         let grid = if open {
             Grid::OpenKeyframes
         } else {
             Grid::Keyframes
         };
         let ask = Ask::new(self, phases, settings, grid);
-        let near = ask.near(known, NEAR);
-        ask.solve(nodes, near).0
+        let near = ask.near(nodes, NEAR);
+        ask.solve(nodes.to_vec(), near).0
     }
 
-    /// Keyframes of the beginning of a sequence: the goal need not be reached yet. Without the last, slow attempts, since a
-    /// search comes across beginnings by the hundred.
+    /// Keyframes of the beginning of a sequence: the goal need not be reached yet. Long ones without the last, slow attempts,
+    /// since a search comes across beginnings by the hundred.
     pub fn keyframes_of_prefix(&self, phases: &[Phase], settings: &Settings) -> Keyframes {
-        Ask::new(self, phases, settings, Grid::OpenKeyframes)
-            .attempts()
-            .0
+        let ask = Ask::new(self, phases, settings, Grid::OpenKeyframes);
+        if phases.len() <= CAREFUL_PHASES {
+            ask.answer()
+        } else {
+            ask.attempts().0
+        }
     }
 }
 

@@ -12,8 +12,8 @@ use crate::search::oracle::Oracle;
 use crate::search::sequence::states_along;
 use crate::search::walk::{Walk, Walker};
 
-/// Most swings that are put in at one place.
-const MOST_SWINGS: usize = 8;
+/// Swings beyond the fewest possible that are tried.
+const MORE_SWINGS: usize = 3;
 
 impl Walker {
     /// A walk that takes the same steps with some swings before, if it is only the place of the feet that makes the last step
@@ -34,13 +34,14 @@ impl Walker {
         let stances = self.stances(walk);
         let graph = &self.expansion.graph;
         let states: Vec<_> = path.iter().map(|&id| graph.state(id)).collect();
-        if stances.is_empty() || !oracle.set_anew(&states, &stances) {
+        if stances.is_empty() {
             return None;
         }
-        let helps = |&&at: &&usize| oracle.set_anew(&states, &[at]);
-        let at = *stances.iter().rev().find(helps)?;
+        oracle.set_anew(&states, &stances)?;
+        let helps = |&at: &usize| Some((at, oracle.set_anew(&states, &[at])?));
+        let (at, least) = stances.iter().rev().find_map(helps)?;
         let feet = self.feet(path[at]);
-        for swings in 1..=MOST_SWINGS {
+        for swings in least..=least + MORE_SWINGS {
             for first in 0..feet.len() {
                 if oracle.stop() {
                     return None;
@@ -60,6 +61,9 @@ impl Walker {
     fn stances(&self, walk: &Walk) -> Vec<usize> {
         let path = states_along(&walk.edges);
         let all = self.feet(path[0]).len();
+        if all == 0 {
+            return vec![];
+        }
         let key = |n: usize| {
             let position = if n == 0 {
                 self.expansion.graph.root().position

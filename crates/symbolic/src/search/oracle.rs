@@ -40,9 +40,9 @@ pub trait Oracle {
     }
 
     /// Could a sequence that is rejected as a whole begin with s_1 … s_k if the feet were set anew, on the same surfaces, in
-    /// the states of these positions? True if steps there may help.
-    fn set_anew(&mut self, _states: &[&ContactState], _at: &[usize]) -> bool {
-        false
+    /// the states of these positions? If so steps there may help: how many swings at least.
+    fn set_anew(&mut self, _states: &[&ContactState], _at: &[usize]) -> Option<usize> {
+        None
     }
 
     /// True to end the search at once (time limit, interrupt); it can be resumed.
