@@ -110,15 +110,19 @@ pub struct Tried {
 /// [`Point`] as it is written.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PointEntry {
+    /// Intervals per phase.
+    pub steps: Vec<usize>,
     nodes: Vec<Vec<f64>>,
     wrenches: Vec<Vec<f64>>,
     velocities: Vec<Vec<f64>>,
     durations: Vec<f64>,
 }
 
-impl From<&Point> for PointEntry {
-    fn from(point: &Point) -> Self {
+impl PointEntry {
+    /// A point with its intervals per phase.
+    pub fn new(steps: &[usize], point: &Point) -> Self {
         Self {
+            steps: steps.to_vec(),
             nodes: point.nodes.clone(),
             wrenches: point.wrenches.clone(),
             velocities: point.velocities.clone(),

@@ -10,6 +10,9 @@ use solver::Iteration;
 /// different curves between nodes, so a grid seven times as fine begins with collisions.
 const MIDDLE: f64 = 3.0;
 
+/// Share by which the coarse grid may be longer than that and still count as one between: phases grow a little.
+const NEARLY: f64 = 1.2;
+
 /// What became of the finer grid.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Refined {
@@ -63,7 +66,7 @@ pub(crate) fn refine(
         late = begin.elapsed().as_secs_f64() > request.time_limit;
         !stopped && !late
     };
-    let on_the_way = (longest_step(&coarse) > middle.max_step)
+    let on_the_way = (longest_step(&coarse) > NEARLY * middle.max_step)
         .then(|| planner.refine(phases, settings, &coarse, middle, &mut watch))
         .filter(|motion| motion.feasible);
     let from = on_the_way.as_ref().unwrap_or(&coarse);

@@ -14,6 +14,8 @@ const LOADED: f64 = 0.02;
 pub(super) struct Kept {
     pub alternative: Alternative,
     pub point: Point,
+    /// Intervals per phase.
+    pub steps: Vec<usize>,
     pub sequence: Sequence,
 }
 

@@ -27,8 +27,10 @@ use failures::Failures;
 use ocp::{Integrator, Phase, Planner, Point, Preset, Relative, Settings};
 use proposals::{Candidate, Work};
 use reward::Rewards;
-use scene::Scene;
-use symbolic::{BestFirst, Policy, Rollouts, SearchLimits, Sequence, SkeletonGraph, TreeSearch};
+use scene::{Owner, Scene};
+use symbolic::{
+    BestFirst, Contact, Policy, Rollouts, SearchLimits, Sequence, SkeletonGraph, TreeSearch,
+};
 use workers::{Evaluated, Shop, Workers};
 
 /// Sequences that are under evaluation at once. Part of what decides which sequence comes next, hence no option.
@@ -87,6 +89,7 @@ pub fn plan(
     let shop = Shop {
         planner: &planner,
         settings: &settings,
+        holds: request.refinement.is_some() && request.preset == Preset::Default,
         stop: &stop,
         begin,
         time_limit: request.time_limit,
@@ -110,7 +113,7 @@ pub fn plan(
             under_way: VecDeque::new(),
             results: BTreeMap::new(),
             rewards: Rewards::default(),
-            failures: Failures::default(),
+            failures: Failures::new(resting(scene)),
             attempts: vec![],
             diverse: Diverse::new(request.alternatives),
             nearest: None,
@@ -165,6 +168,16 @@ pub(crate) fn settings(scene: &Scene, request: &Request) -> Result<Settings, Err
     })
 }
 
+/// A motion that violates its constraints.
+struct Nearest {
+    /// By how much (scaled rows).
+    violation: f64,
+    point: Point,
+    /// Intervals per phase.
+    steps: Vec<usize>,
+    sequence: Sequence,
+}
+
 /// A search with all that it knows.
 struct Run<'a> {
     shop: Shop<'a>,
@@ -186,8 +199,8 @@ struct Run<'a> {
     attempts: Vec<Attempt>,
     /// The plans.
     diverse: Diverse,
-    /// Without any: the least violated motion, and by how much (scaled rows).
-    nearest: Option<(f64, Point, Sequence)>,
+    /// Without any: the least violated motion.
+    nearest: Option<Nearest>,
     first_after: Option<f64>,
     /// What the motions found so far leave to others.
     relatives: Vec<Arc<Relative>>,
@@ -281,6 +294,17 @@ impl Run<'_> {
             self.shop.stop.store(true, Ordering::SeqCst);
         }
     }
+}
+
+/// Contacts of the start by which objects rest.
+fn resting(scene: &Scene) -> Vec<Contact> {
+    let of_object = |c: &&Contact| matches!(scene.interfaces[c.a.0].owner, Owner::Object(_));
+    scene
+        .start_contacts
+        .iter()
+        .filter(of_object)
+        .copied()
+        .collect()
 }
 
 fn goal_text(scene: &Scene) -> String {

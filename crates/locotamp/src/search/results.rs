@@ -2,13 +2,13 @@
 
 use std::sync::atomic::Ordering;
 
-use super::Run;
 use super::diverse::{Kept, loaded};
 use super::proposals::Candidate;
 use super::reward::Rewards;
-use super::workers::{Evaluated, Message};
+use super::workers::{Evaluated, Message, with_steps};
+use super::{Nearest, Run};
 use crate::api::{Alternative, Attempt, Event, Found, Outcome, Reached, Request};
-use crate::journal::Tried;
+use crate::journal::{PointEntry, Tried};
 use crate::refine::{self, Refined};
 use ocp::Motion;
 use symbolic::Sequence;
@@ -88,7 +88,12 @@ impl Run<'_> {
         let Some(point) = done.point else { return };
         let Some(plan) = done.plan else {
             if self.is_nearest(done.violation) {
-                self.nearest = Some((done.violation, point, sequence));
+                self.nearest = Some(Nearest {
+                    violation: done.violation,
+                    point,
+                    steps: done.steps,
+                    sequence,
+                });
             }
             return;
         };
@@ -116,13 +121,14 @@ impl Run<'_> {
         self.diverse.offer(Kept {
             alternative,
             point,
+            steps: done.steps,
             sequence,
         });
     }
 
     /// True if there is neither a plan nor a motion that is less violated.
     fn is_nearest(&self, violation: f64) -> bool {
-        let less = |(least, ..): &(f64, _, _)| violation < *least;
+        let less = |nearest: &Nearest| violation < nearest.violation;
         self.diverse.best().is_none() && self.nearest.as_ref().is_none_or(less)
     }
 
@@ -151,7 +157,7 @@ impl Run<'_> {
             iterations: attempt.iterations,
             seconds: attempt.seconds,
             reward,
-            point: kept.and_then(|m| m.point.as_ref()).map(Into::into),
+            point: kept.and_then(|m| Some(PointEntry::new(&m.steps, m.point.as_ref()?))),
         };
         self.checks.journal.note_sequence(tried);
         self.attempts.push(attempt);
@@ -165,8 +171,14 @@ impl Run<'_> {
         let best = if feasible {
             self.refined(wanted)
         } else {
-            self.nearest.take().map(|(_, point, sequence)| {
-                let phases = self.phases(&sequence);
+            self.nearest.take().map(|nearest| {
+                let Nearest {
+                    point,
+                    steps,
+                    sequence,
+                    ..
+                } = nearest;
+                let phases = with_steps(&self.phases(&sequence), &steps);
                 let (planner, settings) = (self.shop.planner, self.shop.settings);
                 let mut motion = planner.restore(&phases, settings, point);
                 motion.feasible = false;
@@ -195,7 +207,8 @@ impl Run<'_> {
         };
         for n in 0..self.diverse.len() {
             let kept = &self.diverse[n];
-            let (phases, labels) = (self.phases(&kept.sequence), kept.sequence.labels.clone());
+            let phases = with_steps(&self.phases(&kept.sequence), &kept.steps);
+            let labels = kept.sequence.labels.clone();
             let mut motion = planner.restore(&phases, settings, kept.point.clone());
             motion.feasible = true;
             let limits = (&request, self.shop.begin);

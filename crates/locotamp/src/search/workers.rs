@@ -3,7 +3,7 @@
 use crate::api::Event;
 use crate::journal::{PointEntry, Tried};
 use crate::{export, summary};
-use ocp::{Motion, Phase, Planner, Point, Relative, Settings};
+use ocp::{Motion, Phase, Planner, Point, Refinement, Relative, Settings};
 use plan::Plan;
 use solver::Iteration;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,6 +11,12 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex};
 use std::thread::{self, Scope};
 use std::time::Instant;
+
+/// Longest step of the grid on which a motion must hold to be a plan [s]: with a few long steps per phase a robot may seem to do
+/// what no robot can.
+const HOLDS: f64 = 0.06;
+/// Most iterations for that, in each round.
+const HOLDS_ITERATIONS: usize = 100;
 
 /// A sequence whose keyframes exist.
 pub(super) struct Job {
@@ -39,6 +45,8 @@ pub(super) struct Evaluated {
     /// Phase of the most violated row, from 0.
     pub worst_phase: Option<usize>,
     pub point: Option<Point>,
+    /// Its intervals per phase.
+    pub steps: Vec<usize>,
     /// Of a feasible motion.
     pub plan: Option<Plan>,
     pub relative: Option<Arc<Relative>>,
@@ -56,6 +64,7 @@ impl Evaluated {
             reason: known.reason.clone(),
             worst_phase: known.failed_phase,
             point: None,
+            steps: vec![],
             plan: None,
             relative: None,
         }
@@ -76,11 +85,22 @@ pub(super) struct Workers {
     pub messages: Receiver<Message>,
 }
 
+/// Phases with other numbers of intervals.
+pub(super) fn with_steps(phases: &[Phase], steps: &[usize]) -> Vec<Phase> {
+    let phase = |(phase, &steps): (&Phase, &usize)| Phase {
+        state: phase.state.clone(),
+        steps,
+    };
+    phases.iter().zip(steps).map(phase).collect()
+}
+
 /// What all threads share.
 #[derive(Clone, Copy)]
 pub(super) struct Shop<'a> {
     pub planner: &'a Planner<'a>,
     pub settings: &'a Settings,
+    /// Must motions hold on a finer grid ([`HOLDS`]) to count.
+    pub holds: bool,
     /// Set to make all motions end at their next iteration.
     pub stop: &'a AtomicBool,
     pub begin: Instant,
@@ -148,9 +168,10 @@ impl Shop<'_> {
         let (planner, settings, phases) = (self.planner, self.settings, &job.phases);
         let mut motion = match job.start {
             Start::Known(point, feasible) => {
-                let mut motion = planner.restore(phases, settings, point.into());
+                let phases = with_steps(phases, &point.steps);
+                let mut motion = planner.restore(&phases, settings, point.into());
                 motion.feasible = feasible;
-                motion
+                return self.report(&job.labels, &mut motion, None);
             }
             Start::Keyframes(nodes, relative) => {
                 let near =
@@ -158,10 +179,46 @@ impl Shop<'_> {
                 near.unwrap_or_else(|| planner.motion(phases, settings, &nodes, &mut watch))
             }
         };
-        self.report(&job.labels, &mut motion)
+        let relative = motion.feasible.then(|| Arc::new(motion.relative()));
+        let refines = motion.feasible && self.holds;
+        if refines {
+            motion = self.finer(phases, motion, &mut watch);
+        }
+        let mut done = self.report(&job.labels, &mut motion, relative);
+        if refines {
+            let finer = |reason| format!("on a grid of {:.0} ms: {reason}", 1e3 * HOLDS);
+            done.reason = done.reason.map(finer);
+        }
+        done
     }
 
-    fn report(self, labels: &[String], motion: &mut Motion) -> Evaluated {
+    /// The motion on a grid fine enough that little can go wrong between its nodes.
+    fn finer(
+        self,
+        phases: &[Phase],
+        coarse: Motion,
+        watch: &mut dyn FnMut(&Iteration) -> bool,
+    ) -> Motion {
+        let settings = Settings {
+            max_iterations: self.settings.max_iterations.min(HOLDS_ITERATIONS),
+            ..self.settings.clone()
+        };
+        let grid = Refinement {
+            max_step: HOLDS,
+            integrator: settings.integrator,
+        };
+        let mut fine = self.planner.refine(phases, &settings, &coarse, grid, watch);
+        fine.iterations += coarse.iterations;
+        fine.seconds += coarse.seconds;
+        fine
+    }
+
+    fn report(
+        self,
+        labels: &[String],
+        motion: &mut Motion,
+        relative: Option<Arc<Relative>>,
+    ) -> Evaluated {
         let scene = self.planner.scene;
         Evaluated {
             feasible: motion.feasible,
@@ -172,8 +229,9 @@ impl Shop<'_> {
             reason: summary::resistance(scene, motion),
             worst_phase: motion.worst.as_ref().map(|w| w.phase),
             point: Some(motion.point.clone()),
+            steps: motion.trajectory.program.steps.clone(),
             plan: motion.feasible.then(|| export::plan(scene, labels, motion)),
-            relative: motion.feasible.then(|| Arc::new(motion.relative())),
+            relative,
         }
     }
 }
