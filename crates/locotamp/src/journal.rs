@@ -149,7 +149,7 @@ enum Line {
     Run(Header),
     State(Answer),
     Prefix(Answer),
-    Sequence(Tried),
+    Sequence(Box<Tried>),
 }
 
 /// Answers of this run and of the one that it continues.
@@ -236,7 +236,7 @@ impl Journal {
                     self.prefixes.insert(answer.states.clone(), answer);
                 }
                 Line::Sequence(tried) => {
-                    self.sequences.insert(tried.states.clone(), tried);
+                    self.sequences.insert(tried.states.clone(), *tried);
                 }
             }
             if number == 1 && self.sequences.len() + self.states.len() + self.prefixes.len() > 0 {
@@ -280,7 +280,7 @@ impl Journal {
     }
 
     pub fn note_sequence(&mut self, tried: Tried) {
-        self.write(&Line::Sequence(tried));
+        self.write(&Line::Sequence(Box::new(tried)));
     }
 }
 

@@ -182,7 +182,7 @@ impl Shop<'_> {
         let relative = motion.feasible.then(|| Arc::new(motion.relative()));
         let refines = motion.feasible && self.holds;
         if refines {
-            motion = self.finer(phases, motion, &mut watch);
+            motion = self.finer(phases, &motion, &mut watch);
         }
         let mut done = self.report(&job.labels, &mut motion, relative);
         if refines {
@@ -196,7 +196,7 @@ impl Shop<'_> {
     fn finer(
         self,
         phases: &[Phase],
-        coarse: Motion,
+        coarse: &Motion,
         watch: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Motion {
         let settings = Settings {
@@ -207,7 +207,7 @@ impl Shop<'_> {
             max_step: HOLDS,
             integrator: settings.integrator,
         };
-        let mut fine = self.planner.refine(phases, &settings, &coarse, grid, watch);
+        let mut fine = self.planner.refine(phases, &settings, coarse, grid, watch);
         fine.iterations += coarse.iterations;
         fine.seconds += coarse.seconds;
         fine

@@ -10,7 +10,7 @@ use crate::graph::{Node, SkeletonGraph, StateId, Successor};
 use crate::search::costs::{Costs, EndCost, ExtraCost, Step};
 use crate::search::limits::{Bounds, Ending};
 use crate::search::oracle::Oracle;
-use crate::search::outlook::Outlook;
+use crate::search::outlook::{Ahead, Outlook};
 use crate::search::verdicts::Verdicts;
 use crate::task_graph::TaskState;
 
@@ -137,10 +137,11 @@ impl Expansion {
     /// What a node is expected to cost until the end: by the outlook, or the phases that are needed at least; `None` if the
     /// goal is out of reach.
     pub(crate) fn behind(&mut self, node: Node) -> Option<Units> {
-        let ahead = self.outlook.as_ref();
-        match ahead.and_then(|outlook| outlook.to_go(&mut self.graph, node)) {
-            Some(known) => known,
-            None => {
+        let outlook = self.outlook.as_ref();
+        match outlook.map_or(Ahead::Unknown, |o| o.ahead(&mut self.graph, node)) {
+            Ahead::Cost(cost) => Some(cost),
+            Ahead::NoWay => None,
+            Ahead::Unknown => {
                 let behind = self.phases_behind(node)?;
                 Some(units(self.costs.phase) * behind as Units)
             }

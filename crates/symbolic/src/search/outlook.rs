@@ -18,6 +18,17 @@ use crate::search::verdicts::Verdicts;
 /// Most nodes; a larger part is not explored.
 const MOST_NODES: usize = 20_000;
 
+/// What lies ahead of a node.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Ahead {
+    /// Not in the part that was explored.
+    Unknown,
+    /// No way to an end is left.
+    NoWay,
+    /// The least cost to an end.
+    Cost(Units),
+}
+
 /// Least costs to an end.
 #[derive(Debug, Clone)]
 pub(crate) struct Outlook {
@@ -150,15 +161,19 @@ impl Outlook {
         way
     }
 
-    /// Least cost from a node to an end, supporting hands aside. The outer `None`: not known; the inner one: no way is left.
-    pub(crate) fn to_go(&self, graph: &mut SkeletonGraph, node: Node) -> Option<Option<Units>> {
+    /// What it knows of a node, supporting hands aside.
+    pub(crate) fn ahead(&self, graph: &mut SkeletonGraph, node: Node) -> Ahead {
         let state = plain(graph, node);
         let node = Node {
             state: graph.intern(&state),
             ..node
         };
-        let &n = self.index.get(&node)?;
-        self.to_go.get(n).copied()
+        let known = self.index.get(&node).and_then(|&n| self.to_go.get(n));
+        match known {
+            None => Ahead::Unknown,
+            Some(None) => Ahead::NoWay,
+            Some(&Some(cost)) => Ahead::Cost(cost),
+        }
     }
 }
 
