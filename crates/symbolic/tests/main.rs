@@ -1,5 +1,6 @@
 //! Tests of the symbolic layer against examples worked by hand and against brute force.
 
+mod ahead;
 mod brute_force;
 mod costs;
 mod domain;

@@ -1,0 +1,196 @@
+//! Searches that look ahead, know what has not been moved, and put steps in.
+
+use crate::fixtures::{bottom, contact, handle, id, robot, standing, surface};
+use symbolic::{
+    Contact, ContactState, Costs, Domain, Goal, GraphOptions, Interface, Oracle, Owner, Policy,
+    SearchLimits, Sequence, SkeletonGraph, Status, TreeSearch, Verdict,
+};
+
+/// Robot, ground, a high platform and a box on whose top feet can stand.
+fn climb() -> Domain {
+    let mut interfaces: Vec<Interface> = robot();
+    interfaces.push(bottom("box_bottom", 0));
+    interfaces.push(handle("box_handle", 0));
+    interfaces.push(surface("box_top", Owner::Object(0)));
+    interfaces.push(surface("ground_top", Owner::Static(0)));
+    interfaces.push(surface("platform_top", Owner::Static(1)));
+    Domain::new(interfaces, vec!["box".to_owned()], vec![]).expect("the domain is valid")
+}
+
+fn search(domain: &Domain, seed: u64) -> TreeSearch {
+    let pair = |foot| (id(domain, foot), id(domain, "platform_top"));
+    let goal = Goal::of_pairs([pair("left_foot"), pair("right_foot")]);
+    let options = GraphOptions {
+        support_hands: false,
+        ..GraphOptions::default()
+    };
+    let start = standing(domain, "box_bottom on ground_top");
+    let graph = SkeletonGraph::new(domain.clone(), start, goal, options).expect("a problem");
+    let limits = SearchLimits {
+        max_phases: Some(24),
+        ..SearchLimits::default()
+    };
+    TreeSearch::new(graph, &limits, Costs::default(), seed).with_outlook()
+}
+
+/// Legs are too short for the ground and the platform at once, and for the platform and the box where it is at first.
+struct Legs {
+    domain: Domain,
+    asked_unmoved: usize,
+}
+
+impl Legs {
+    fn has(&self, state: &ContactState, surface: &str) -> bool {
+        let on = |foot| state.contains(&contact(&self.domain, foot, surface));
+        on("left_foot") || on("right_foot")
+    }
+}
+
+impl Oracle for Legs {
+    fn state(&mut self, state: &ContactState) -> Verdict {
+        if self.has(state, "ground_top") && self.has(state, "platform_top") {
+            return Verdict::Reject("too high".into());
+        }
+        Verdict::Accept
+    }
+
+    fn transition(&mut self, from: &ContactState, to: &ContactState) -> Verdict {
+        let both = from.iter().chain(to.iter()).collect();
+        self.state(&both)
+    }
+
+    fn unmoved(&mut self, state: &ContactState, objects: &[usize]) -> Verdict {
+        assert_eq!(objects, [0]);
+        self.asked_unmoved += 1;
+        if self.has(state, "box_top") && self.has(state, "platform_top") {
+            return Verdict::Reject("too far".into());
+        }
+        Verdict::Accept
+    }
+}
+
+fn position(sequence: &Sequence, of: impl Fn(&ContactState) -> bool) -> Option<usize> {
+    sequence.states.iter().position(of)
+}
+
+#[test]
+fn the_box_is_moved_before_it_is_climbed_and_the_first_sequence_has_no_detour() {
+    let domain = climb();
+    for seed in 1..=3 {
+        let mut legs = Legs {
+            domain: domain.clone(),
+            asked_unmoved: 0,
+        };
+        let mut search = search(&domain, seed);
+        let rests = contact(&domain, "box_bottom", "ground_top");
+        let mut shortest = usize::MAX;
+        for _ in 0..10 {
+            let sequence = search.next(&mut legs).expect("there are many");
+            let lifted = position(&sequence, |s| !s.contains(&rests)).expect("it is lifted");
+            let jumps = |s: &ContactState| {
+                !legs.has(s, "ground_top")
+                    && !legs.has(s, "box_top")
+                    && !legs.has(s, "platform_top")
+            };
+            let above = |s: &ContactState| legs.has(s, "platform_top");
+            let up = position(&sequence, above).expect("it ends there");
+            assert!(lifted < up, "{:?}", sequence.labels);
+            assert!(
+                position(&sequence, jumps).is_none(),
+                "{:?}",
+                sequence.labels
+            );
+            shortest = shortest.min(sequence.states.len());
+            search.learn(&sequence.states, 0.3);
+        }
+        // Start, grasp, lift, place, release, two swings onto the box, two onto the platform; or one foot by way of the
+        // box and the other past it, which no leg can do.
+        assert!(shortest <= 13, "{shortest}");
+        assert!(legs.asked_unmoved > 0);
+    }
+}
+
+/// The platform is near only after `needed` swings on the ground with the box in the air.
+struct Far {
+    domain: Domain,
+    needed: usize,
+    asked_anew: usize,
+}
+
+impl Far {
+    /// Swings that end on the ground while the box is in the air.
+    fn swings(&self, states: &[&ContactState]) -> usize {
+        let rests = contact(&self.domain, "box_bottom", "ground_top");
+        let feet = ["left_foot", "right_foot"].map(|f| contact(&self.domain, f, "ground_top"));
+        let lands = |pair: &&[&ContactState]| {
+            let lands = |c: &Contact| !pair[0].contains(c) && pair[1].contains(c);
+            !pair[1].contains(&rests) && feet.iter().any(lands)
+        };
+        states.windows(2).filter(lands).count()
+    }
+
+    fn is_up(&self, state: &ContactState) -> bool {
+        let on = |foot| state.contains(&contact(&self.domain, foot, "platform_top"));
+        on("left_foot") || on("right_foot")
+    }
+}
+
+impl Oracle for Far {
+    fn prefix(&mut self, states: &[&ContactState]) -> Verdict {
+        let up = states.iter().any(|s| self.is_up(s));
+        if up && self.swings(states) < self.needed {
+            return Verdict::Reject("too far".into());
+        }
+        Verdict::Accept
+    }
+
+    fn set_anew(&mut self, states: &[&ContactState], at: &[usize]) -> Option<usize> {
+        self.asked_anew += 1;
+        let rests = contact(&self.domain, "box_bottom", "ground_top");
+        let helps = |&k: &usize| !states[k].contains(&rests);
+        at.iter().any(helps).then_some(1)
+    }
+}
+
+#[test]
+fn steps_are_put_in_where_they_help() {
+    let domain = climb();
+    for seed in 1..=3 {
+        let mut far = Far {
+            domain: domain.clone(),
+            needed: 3,
+            asked_anew: 0,
+        };
+        let mut search = search(&domain, seed);
+        let sequence = search.next(&mut far).expect("a sequence with steps");
+        let states: Vec<&ContactState> = sequence.states.iter().collect();
+        assert!(far.swings(&states) >= 3, "{:?}", sequence.labels);
+        assert!(far.asked_anew > 0);
+    }
+}
+
+/// Nothing leads up.
+struct Never(Far);
+
+impl Oracle for Never {
+    fn state(&mut self, state: &ContactState) -> Verdict {
+        if self.0.is_up(state) {
+            return Verdict::Reject("out of reach".into());
+        }
+        Verdict::Accept
+    }
+}
+
+#[test]
+fn a_goal_that_nothing_leads_to_ends_the_search_at_once() {
+    let domain = climb();
+    let mut never = Never(Far {
+        domain: domain.clone(),
+        needed: 0,
+        asked_anew: 0,
+    });
+    let mut search = search(&domain, 1);
+    assert_eq!(search.next(&mut never), None);
+    assert_eq!(search.status(), Status::Exhausted);
+    assert!(search.counts().created < 10, "{:?}", search.counts());
+}
