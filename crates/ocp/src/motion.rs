@@ -230,7 +230,8 @@ impl<'a> Planner<'a> {
             let mut trajectory = Trajectory::new(program);
             let structure = trajectory.structure().clone();
             let mut options = first.options.clone();
-            options.max_iterations = settings.max_iterations.min(first.max_iterations);
+            let left = settings.max_iterations.saturating_sub(iterations).max(1);
+            options.max_iterations = left.min(first.max_iterations);
             if settings.barrier > options.min_barrier {
                 options.min_barrier = settings.barrier;
                 options.complementarity_tolerance = COMPLEMENTARITY * settings.barrier;
