@@ -155,7 +155,7 @@ fn the_written_pddl_files_can_be_used_as_the_domain_of_the_scene() {
         stderr(&output)
     );
     assert!(
-        stderr(&output).contains("domain.pddl:23:32"),
+        stderr(&output).contains("domain.pddl:25:32"),
         "{}",
         stderr(&output)
     );

@@ -358,6 +358,17 @@ mod tests {
                 if let Verdict::Reject(reason) = checks.prefix(&states[..k]) {
                     refused.push(format!("{} {k}: {reason}", path.display()));
                 }
+                let resting = checks.resting(&scene.start_state());
+                let rests = |o: &usize| {
+                    let of_it = |c: &Contact| scene.interfaces[c.a.0].owner == Owner::Object(*o);
+                    let mut own = resting.iter().filter(of_it);
+                    own.all(|c| states[..k].iter().all(|s| s.contains(&c)))
+                };
+                let unmoved: Vec<usize> = (0..scene.objects.len()).filter(rests).collect();
+                let verdict = checks.unmoved(states[k - 1], &unmoved);
+                if let Verdict::RejectContacts(_, reason) = verdict {
+                    refused.push(format!("{} {k}: {reason}", path.display()));
+                }
             }
         }
         assert!(refused.is_empty(), "{refused:#?}");
