@@ -39,6 +39,8 @@ pub(crate) struct Checks<'a> {
     possible: BTreeSet<ContactState>,
     /// Smallest sets that none satisfies.
     impossible: Vec<Core>,
+    /// What is impossible before an object is moved.
+    before_moved: Vec<Impossible>,
 }
 
 /// Contacts that exclude one another.
@@ -68,6 +70,7 @@ impl<'a> Checks<'a> {
             anew: None,
             possible: BTreeSet::new(),
             impossible: Vec::new(),
+            before_moved: Vec::new(),
         }
     }
 
@@ -205,14 +208,20 @@ impl<'a> Checks<'a> {
         }
     }
 
-    /// Contacts that were found to exclude one another, in the order in which they were found.
+    /// Contacts that were found to exclude one another, in the order in which they were found; then those that do so before an
+    /// object is moved.
     pub fn impossible(&self) -> Vec<Impossible> {
         let one = |core: &Core| Impossible {
             contacts: self.names(&core.contacts),
             reason: core.reason.clone(),
             refused: core.refused,
         };
-        self.impossible.iter().map(one).collect()
+        let before_moved = self.before_moved.iter().cloned();
+        self.impossible
+            .iter()
+            .map(one)
+            .chain(before_moved)
+            .collect()
     }
 }
 
@@ -248,6 +257,11 @@ impl Oracle for Checks<'_> {
             self.names(&bound).join(" with "),
             answer.reason.unwrap_or_default()
         );
+        self.before_moved.push(Impossible {
+            contacts: self.names(&bound),
+            reason: reason.clone(),
+            refused: 1,
+        });
         Verdict::RejectContacts(bound, reason)
     }
 
