@@ -27,7 +27,7 @@ impl Walker {
         let mut path = states_along(&walk.edges);
         path.push(next.edge.node.state);
         if !self.verdicts.is_rejected_as_beginning(&path)
-            || !self.beyond_mending.insert(path.clone())
+            || !self.tried_to_mend.insert(path.clone())
         {
             return None;
         }

@@ -71,8 +71,8 @@ pub(crate) struct Walker {
     pub(crate) temperature: f64,
     /// Steps that were judged.
     pub(crate) created: usize,
-    /// Beginnings for which no steps were found that help, or for which they have been found.
-    pub(crate) beyond_mending: BTreeSet<Vec<StateId>>,
+    /// Beginnings for which steps that help have been looked for.
+    pub(crate) tried_to_mend: BTreeSet<Vec<StateId>>,
 }
 
 impl Walker {
@@ -83,7 +83,7 @@ impl Walker {
             random: Random::new(seed),
             temperature: 1.0,
             created: 0,
-            beyond_mending: BTreeSet::new(),
+            tried_to_mend: BTreeSet::new(),
         }
     }
 
