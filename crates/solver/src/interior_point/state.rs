@@ -187,9 +187,8 @@ impl State {
             self.y[i] += alpha * step.dy[i];
         }
         for i in 0..self.y.len() {
-            if !self.equality[i] {
-                self.tighten(i);
-            }
+            // The filter belongs to a problem with other bounds.
+            self.needs_reset |= !self.equality[i] && self.tighten(i);
         }
         self.vars.safeguard(self.mu);
         self.slacks.safeguard(self.mu);
@@ -207,8 +206,8 @@ impl State {
         }
     }
 
-    /// Moves the relaxed bounds of a slack towards the row's own ones.
-    fn tighten(&mut self, i: usize) {
+    /// Moves the relaxed bounds of a slack towards the row's own ones; false if they are there.
+    fn tighten(&mut self, i: usize) -> bool {
         let (l, u, v) = (
             self.slacks.lower[i],
             self.slacks.upper[i],
@@ -232,7 +231,8 @@ impl State {
                 u - share * full
             };
         }
-        if new_l != l || new_u != u {
+        let moves = new_l != l || new_u != u;
+        if moves {
             let room = 0.25 * (new_u - new_l);
             let low = new_l + (v - l).min(0.01).min(room);
             let high = new_u - (u - v).min(0.01).min(room);
@@ -240,5 +240,6 @@ impl State {
             self.slacks.upper[i] = new_u;
             self.slacks.value[i] = v.max(low).min(high);
         }
+        moves
     }
 }
