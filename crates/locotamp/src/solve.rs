@@ -3,9 +3,11 @@
 use std::time::Instant;
 
 use crate::api::{Error, Event, Found, Request};
+use crate::checks::Checks;
 use crate::explain::{Case, Failed, explain};
+use crate::journal::Journal;
 use crate::{domain, export, refine, search, summary};
-use ocp::{Keyframes, Motion, Phase, Planner};
+use ocp::{Keyframes, Motion, Phase, Planner, Settings};
 use plan::Explanation;
 use scene::{Scene, Sequence};
 use solver::{Status, Timing};
@@ -91,7 +93,7 @@ pub fn solve(
         labels: labels.clone(),
     });
     let start = Instant::now();
-    let keyframes = planner.keyframes(&phases, &settings);
+    let keyframes = keyframes(&planner, &phases, &settings, request);
     let mut solved = Solved {
         best: None,
         feasible: false,
@@ -163,6 +165,24 @@ pub fn solve(
     }
     solved.seconds = begin.elapsed().as_secs_f64();
     Ok(solved)
+}
+
+/// Keyframes from the sequence alone or, unless that ended hopelessly far from satisfying the contacts, as the search finds
+/// them: beginning by beginning.
+fn keyframes(
+    planner: &Planner,
+    phases: &[Phase],
+    settings: &Settings,
+    request: &Request,
+) -> Keyframes {
+    let found = planner.keyframes(phases, settings);
+    if found.possible || found.is_hopeless() {
+        return found;
+    }
+    let steps = planner.scene.search.steps;
+    let limits = (Instant::now(), request.time_limit, request.stop.clone());
+    let mut checks = Checks::new((planner, settings, steps), limits, Journal::default());
+    checks.keyframes_by_beginnings(phases).unwrap_or(found)
 }
 
 impl Solved {

@@ -37,15 +37,16 @@ impl Checks<'_> {
 
     /// Keyframes of a whole sequence, goal regions included.
     pub fn keyframes(&mut self, phases: &[Phase]) -> Keyframes {
-        if let Some(known) = self.nodes(phases) {
-            let from = self
-                .planner
-                .keyframes_after(&known, phases, self.settings, false);
-            if from.possible {
-                return from;
-            }
-        }
-        self.planner.keyframes(phases, self.settings)
+        let found = self.keyframes_by_beginnings(phases);
+        found.unwrap_or_else(|| self.planner.keyframes(phases, self.settings))
+    }
+
+    /// The same from those of its beginnings, one after the other; `None` if that leads nowhere.
+    pub fn keyframes_by_beginnings(&mut self, phases: &[Phase]) -> Option<Keyframes> {
+        let known = self.nodes(phases)?;
+        let (planner, settings) = (self.planner, self.settings);
+        let from = planner.keyframes_after(&known, phases, settings, false);
+        from.possible.then_some(from)
     }
 
     /// From the keyframes of the longest shorter beginning that had to be checked; if that fails, from nothing.
