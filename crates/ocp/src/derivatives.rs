@@ -72,9 +72,14 @@ impl Trajectory {
                     term.term
                         .derivatives_near(&relative.b_from_a, weights, nearest, gradients);
                 let jacobian = &mut out.jacobians[term.block];
-                for (c, j) in relative.columns.iter().enumerate() {
-                    for r in 0..term.n_rows {
-                        jacobian[c * term.n_rows + r] = gradients[r].dot(j);
+                if gradients.iter().all(|g| *g == Vector6::zeros()) {
+                    // Such as a clearance that has levelled out.
+                    jacobian.fill(0.0);
+                } else {
+                    for (c, j) in relative.columns.iter().enumerate() {
+                        for r in 0..term.n_rows {
+                            jacobian[c * term.n_rows + r] = gradients[r].dot(j);
+                        }
                     }
                 }
                 if weights.iter().all(|w| w.abs() < 1e-9) {

@@ -153,10 +153,14 @@ impl Sums {
     /// Hessian `h` and gradient `g` at the end of `arm`, which moves by ρ + ω × arm + ½ ω × (ρ + ω × arm).
     #[inline]
     fn add_hessian(&mut self, arm: &Vector3<f64>, g: &Vector3<f64>, h: &Matrix3<f64>) {
-        let mixed = -h * skew(arm);
         self.linear_linear += h;
-        self.linear_angular += mixed;
-        self.angular_angular += skew(arm) * mixed + direction_block(g, arm);
+        // h [arm]ᵀ and [arm] h [arm]ᵀ: rows, then columns, of cross products.
+        let cross = |i: usize| arm.cross(&h.column(i));
+        let turned = Matrix3::from_columns(&[cross(0), cross(1), cross(2)]);
+        self.linear_angular += turned.transpose();
+        let cross = |i: usize| arm.cross(&turned.row(i).transpose());
+        let turned = Matrix3::from_columns(&[cross(0), cross(1), cross(2)]);
+        self.angular_angular += turned + direction_block(g, arm);
     }
 
     /// The gradient in the axes of a.

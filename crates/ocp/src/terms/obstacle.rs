@@ -22,6 +22,9 @@ pub const EVENNESS: f64 = 0.003;
 /// ε [m]: twice η, so that exp(−d/η) of a box needs no logarithm.
 const SHARPNESS: f64 = 2.0 * EVENNESS;
 
+/// Faces below the farthest-out one by more than this, in multiples of ε, have no say: exp(UNSEEN) is 1e-7.
+const UNSEEN: f64 = -16.0;
+
 /// Numbers of this many points side by side, which the compiler computes at once.
 pub(super) const LANES: usize = 4;
 pub(super) type Lanes = [f64; LANES];
@@ -179,7 +182,7 @@ fn faces(p: &Vector3<f64>, half: &Vector3<f64>) -> (Soft, [f64; 6]) {
         let far = (d - largest) / SHARPNESS;
         if far >= 0.0 {
             1.0
-        } else if far < -20.0 {
+        } else if far < UNSEEN {
             0.0
         } else {
             far.exp()
