@@ -117,7 +117,7 @@ impl Fronts {
             };
             match begin(e) {
                 Some(matrix) => {
-                    front.set_symmetric(&symbolic.runs, symbolic.of_element.len(), matrix)
+                    front.set_symmetric(&symbolic.runs, symbolic.of_element.len(), matrix);
                 }
                 None => front.clear(),
             }

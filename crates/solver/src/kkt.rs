@@ -15,7 +15,7 @@ use crate::kernels::gram;
 use crate::products::{block_multiply, block_transpose_multiply, symmetric_multiply};
 pub(crate) use crate::products::{jacobian_multiply, transpose_multiply};
 use crate::wide_rows::WideRows;
-use crate::{BlockStructure, ElementData, Structure};
+use crate::{BlockStructure, ElementData, ElementStructure, Structure};
 
 /// Blocks with at least this many Jacobian entries go through the dense kernel.
 const DENSE_BLOCK: usize = 600;
@@ -80,8 +80,8 @@ impl Kkt {
             .map(|e| e.vars.len())
             .max()
             .unwrap_or(0);
-        let most_rows = structure.elements.iter().map(|e| e.n_rows()).max();
-        let most_rows = most_rows.unwrap_or(0);
+        let most_rows = structure.elements.iter().map(ElementStructure::n_rows);
+        let most_rows = most_rows.max().unwrap_or(0);
         let fronts = Fronts::new(structure);
         let elements = structure.elements.iter().enumerate();
         let places = elements.map(|(e, element)| {

@@ -79,7 +79,7 @@ impl RowOfBalls {
 /// Balls of a body, with what makes a search among them fast.
 #[derive(Debug, PartialEq)]
 pub struct Balls {
-    balls: Vec<Ball>,
+    all: Vec<Ball>,
     /// The same side by side.
     rows: Vec<RowOfBalls>,
     bound: Ball,
@@ -91,7 +91,7 @@ impl Balls {
         Self {
             rows: balls.chunks(LANES).map(RowOfBalls::new).collect(),
             bound: bounding_ball(&balls),
-            balls,
+            all: balls,
         }
     }
 }
@@ -102,7 +102,7 @@ struct Share {
     ball: u32,
     part: u32,
     /// exp(−d_k/η)/Σ.
-    share: f64,
+    weight: f64,
 }
 
 /// What a row's value leaves for its derivatives at the same pose.
@@ -226,7 +226,7 @@ impl Distance {
         obstacle_from_b: Pose,
         clearance: f64,
     ) -> Self {
-        let pairs = (balls.balls.len() * obstacle.parts()).max(1);
+        let pairs = (balls.all.len() * obstacle.parts()).max(1);
         Self {
             blur: EVENNESS * (pairs as f64).ln(),
             balls,
@@ -258,10 +258,10 @@ impl Distance {
                 if nearest >= least + SEEN {
                     continue;
                 }
-                for (l, &share) in distances.iter().enumerate() {
-                    if share < least + SEEN {
+                for (l, &weight) in distances.iter().enumerate() {
+                    if weight < least + SEEN {
                         let (ball, part) = ((row * LANES + l) as u32, part as u32);
-                        out.push(Share { ball, part, share });
+                        out.push(Share { ball, part, weight });
                     }
                 }
             }
@@ -284,17 +284,17 @@ impl Distance {
         }
         let mut sum = 0.0;
         shares.retain_mut(|pair| {
-            if pair.share >= least + SEEN {
+            if pair.weight >= least + SEEN {
                 return false;
             }
-            let (centre, radius) = &self.balls.balls[pair.ball as usize];
+            let (centre, radius) = &self.balls.all[pair.ball as usize];
             let soft = self.obstacle.soft(pair.part as usize, &x.act(*centre));
-            pair.share = soft.share(least + radius);
-            sum += pair.share;
+            pair.weight = soft.share(least + radius);
+            sum += pair.weight;
             true
         });
         for pair in shares {
-            pair.share /= sum;
+            pair.weight /= sum;
         }
         *distance = least - EVENNESS * sum.ln();
     }
@@ -318,7 +318,7 @@ impl PoseTerm for Distance {
         vec![(self.clearance, f64::INFINITY)]
     }
     fn n_pairs(&self) -> usize {
-        self.balls.balls.len() * self.obstacle.parts()
+        self.balls.all.len() * self.obstacle.parts()
     }
     fn values(&self, b_from_a: &Pose, out: &mut [f64]) {
         out[0] = level(self.found(b_from_a).distance).0;
@@ -357,14 +357,14 @@ impl PoseTerm for Distance {
         // A row far from its bound has a vanishing multiplier and no say in the curvature.
         let curved = weights[0].abs() > 1e-9;
         let mut sums = Sums::new();
-        for &Share { ball, part, share } in &nearest.shares {
-            let arm = x.rotate(self.balls.balls[ball as usize].0);
+        for &Share { ball, part, weight } in &nearest.shares {
+            let arm = x.rotate(self.balls.all[ball as usize].0);
             let d = (self.obstacle).derivatives(part as usize, &(arm + x.origin()));
-            let g = d.gradient * share;
+            let g = d.gradient * weight;
             sums.add_gradient(&arm, &g);
             if curved {
                 let products = (g * (d.curb + 1.0 / EVENNESS)) * d.gradient.transpose();
-                sums.add_hessian(&arm, &g, &(d.diagonal * share - products));
+                sums.add_hessian(&arm, &g, &(d.diagonal * weight - products));
             }
         }
         let gradient = sums.gradient(x.rotation());
