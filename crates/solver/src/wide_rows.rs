@@ -140,3 +140,64 @@ impl WideRows {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn packed_rows_multiply_as_they_are_one_by_one() {
+        let positions = [3, 0, 5, 1, 4, 2];
+        let block = |first_row, cols: &[usize]| BlockStructure {
+            first_row,
+            n_rows: 1,
+            cols: cols.to_vec(),
+        };
+        let element = ElementStructure {
+            vars: (0..6).collect(),
+            row_lower: vec![0.0; 4],
+            row_upper: vec![0.0; 4],
+            blocks: vec![
+                block(2, &[5, 0, 1, 2, 3]),
+                block(0, &[0, 1]),
+                block(3, &[0, 1, 2, 3, 5]),
+                block(1, &[1, 0, 3, 2, 5]),
+            ],
+        };
+        let mut data = ElementData::new(&element);
+        data.jacobians = vec![
+            vec![1.0, 2.0, 3.0, 4.0, 5.0],
+            vec![7.0, 7.0],
+            vec![0.0; 5],
+            vec![-1.0, 0.0, 2.0, 0.5, 3.0],
+        ];
+        let mut wide = WideRows::new(&element, &positions);
+        wide.pack(&data);
+        assert_eq!((wide.width(), wide.packed.as_slice()), (5, &[2, 1][..]));
+
+        let x = [1.0, -2.0, 3.0, 0.5, 9.0, 4.0];
+        let (mut scratch, mut products) = ([0.0; 15], [0.0; 4]);
+        wide.multiply(&x, &mut scratch, &mut products);
+        let row = 1.0 * 4.0 + 2.0 * 1.0 + 3.0 * -2.0 + 4.0 * 3.0 + 5.0 * 0.5;
+        let other = -1.0 * -2.0 + 2.0 * 0.5 + 0.5 * 3.0 + 3.0 * 4.0;
+        assert_eq!(products, [0.0, other, row, 0.0]);
+
+        let mut sums = [0.0; 6];
+        wide.transpose_multiply(&[9.0, 2.0, 1.0, 9.0], &mut scratch, &mut sums);
+        assert_eq!(sums, [2.0, 1.0, 5.0, 9.0, 0.0, 7.0]);
+
+        let (mut panel, mut gram) = ([0.0; 36], [0.0; 25]);
+        let mut front = Assembly {
+            panel: &mut panel,
+            schur: &mut [],
+            n_front: 6,
+            n_eliminated: 6,
+            of_element: &positions,
+        };
+        wide.add_gram(|row| row as f64, &mut scratch, &mut gram, &mut front);
+        // Variables 0 and 1, at positions 3 and 0: 2 · 2 · 3 of row 2, nothing of row 1.
+        assert!((panel[3] - 12.0).abs() < 1e-12);
+        // Variable 5 at position 2 with itself: 2 · 1 + 1 · 3².
+        assert!((panel[2 * 6 + 2] - 11.0).abs() < 1e-12);
+    }
+}
