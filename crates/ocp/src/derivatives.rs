@@ -63,17 +63,23 @@ impl Trajectory {
                 continue;
             };
             let sums = &mut self.pose_sums[node - t];
-            for term in &program.nodes[node].terms {
+            let nearest = &self.nodes[node].nearest;
+            for (term, nearest) in program.nodes[node].terms.iter().zip(nearest) {
                 let relative = &self.nodes[node].relatives[term.slot];
                 let gradients = &mut s.gradients[..term.n_rows];
                 let weights = &y[term.first_row..term.first_row + term.n_rows];
-                let hessian = term
-                    .term
-                    .derivatives(&relative.b_from_a, weights, gradients);
+                let hessian =
+                    term.term
+                        .derivatives_near(&relative.b_from_a, weights, nearest, gradients);
                 let jacobian = &mut out.jacobians[term.block];
-                for (c, j) in relative.columns.iter().enumerate() {
-                    for r in 0..term.n_rows {
-                        jacobian[c * term.n_rows + r] = gradients[r].dot(j);
+                if gradients.iter().all(|g| *g == Vector6::zeros()) {
+                    // Such as a clearance that has levelled out.
+                    jacobian.fill(0.0);
+                } else {
+                    for (c, j) in relative.columns.iter().enumerate() {
+                        for r in 0..term.n_rows {
+                            jacobian[c * term.n_rows + r] = gradients[r].dot(j);
+                        }
                     }
                 }
                 if weights.iter().all(|w| w.abs() < 1e-9) {

@@ -14,6 +14,7 @@ use crate::relative::Relative;
 use crate::slip::{self, Slips};
 use crate::states::{self, At};
 use crate::terms::PoseTerm;
+use crate::terms::distance::Nearest;
 use crate::terms::place::Place;
 use multibody::{Kinematics, Rnea, RneaHessian};
 use nalgebra::Vector6;
@@ -24,6 +25,8 @@ use solver::{ElementData, ElementStructure, Problem, Structure};
 pub(crate) struct NodeState {
     pub(crate) kinematics: Kinematics,
     pub(crate) relatives: Vec<Relative>,
+    /// What the values of each term leave for its derivatives.
+    pub(crate) nearest: Vec<Nearest>,
 }
 
 /// Scratch of one interval's evaluation.
@@ -67,6 +70,9 @@ impl Trajectory {
                     .frames
                     .iter()
                     .map(|&f| program.frames[f].relative())
+                    .collect(),
+                nearest: (node.terms.iter())
+                    .map(|term| Nearest::new(term.term.n_pairs()))
                     .collect(),
             })
             .collect();
@@ -326,12 +332,11 @@ impl Trajectory {
             }
         }
         for node in element_nodes(program, t) {
-            for term in &program.nodes[node].terms {
-                let pose = &self.nodes[node].relatives[term.slot].b_from_a;
-                term.term.values(
-                    pose,
-                    &mut out.values[term.first_row..term.first_row + term.n_rows],
-                );
+            let state = &mut self.nodes[node];
+            for (term, nearest) in program.nodes[node].terms.iter().zip(&mut state.nearest) {
+                let values = &mut out.values[term.first_row..term.first_row + term.n_rows];
+                let pose = &state.relatives[term.slot].b_from_a;
+                term.term.values_near(pose, values, nearest);
             }
             for cost in &program.nodes[node].costs {
                 let pose = &self.nodes[node].relatives[cost.slot].b_from_a;

@@ -1,5 +1,11 @@
 //! Adding dense symmetric matrices to a front, piece by piece where neighbours stay neighbours.
 
+use faer::linalg::matmul::matmul;
+use faer::prelude::ReborrowMut;
+use faer::{Accum, MatMut, MatRef, Par};
+
+use crate::kernels::add_lower_product;
+
 /// Consecutive local indices whose positions in the front are consecutive too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Run {
@@ -41,6 +47,25 @@ impl Assembly<'_> {
         self.below(i.min(j), i.max(j))[0] += value;
     }
 
+    /// All zero.
+    pub(crate) fn clear(&mut self) {
+        self.panel.fill(0.0);
+        self.schur.fill(0.0);
+    }
+
+    /// Begins with the lower triangle of a symmetric `n × n` matrix, placed as in [`Assembly::add_symmetric`].
+    pub(crate) fn set_symmetric(&mut self, runs: &[Run], n: usize, matrix: &[f64]) {
+        if runs.len() > 1 || n < self.n_front {
+            self.clear();
+            self.add_symmetric(runs, n, matrix);
+            return;
+        }
+        for j in 0..n {
+            self.below(j, j)
+                .copy_from_slice(&matrix[j * n + j..(j + 1) * n]);
+        }
+    }
+
     /// Adds the lower triangle of a symmetric `n × n` matrix, column-major, whose indices lie where the runs say.
     pub(crate) fn add_symmetric(&mut self, runs: &[Run], n: usize, matrix: &[f64]) {
         for (k, run) in runs.iter().enumerate() {
@@ -60,6 +85,29 @@ impl Assembly<'_> {
                     }
                 }
             }
+        }
+    }
+
+    /// Adds aᵀ a with `a` column-major with `m` rows, whose columns lie where the run says.
+    pub(crate) fn add_gram(&mut self, run: Run, m: usize, a: &[f64]) {
+        let (n, n_panel, first, width) = (self.n_front, self.n_eliminated, run.front, run.length);
+        // The columns before the border of the eliminated ones, and the others.
+        let k = n_panel.clamp(first, first + width) - first;
+        let a = MatRef::from_column_major_slice(&a[..m * width], m, width);
+        let (left, right) = a.split_at_col(k);
+        let mut panel = MatMut::from_column_major_slice_mut(&mut *self.panel, n, n_panel);
+        if k > 0 {
+            let corner = panel.rb_mut().submatrix_mut(first, first, k, k);
+            add_lower_product(corner, left.transpose(), left);
+            let below = panel.submatrix_mut(first + k, first, width - k, k);
+            matmul(below, Accum::Add, right.transpose(), left, 1.0, Par::Seq);
+        }
+        if k < width {
+            let (rest, first) = (n - n_panel, first + k - n_panel);
+            let schur = &mut self.schur[..rest * rest];
+            let schur = MatMut::from_column_major_slice_mut(schur, rest, rest);
+            let corner = schur.submatrix_mut(first, first, width - k, width - k);
+            add_lower_product(corner, right.transpose(), right);
         }
     }
 
@@ -128,5 +176,70 @@ mod tests {
             (panel, schur)
         };
         assert_eq!(assembled(true), assembled(false));
+    }
+
+    #[test]
+    fn a_product_is_added_as_its_entries() {
+        let (n, n_panel, m) = (9, 4, 5);
+        for (first, width) in [(0, 9), (1, 2), (2, 5), (5, 3), (0, 4)] {
+            let a: Vec<f64> = (0..m * width).map(|i| ((7 * i) % 11) as f64).collect();
+            let places: Vec<usize> = (first..first + width).collect();
+            let assembled = |by_entry: bool| {
+                let (mut panel, mut schur) = (vec![0.5; n * n_panel], vec![0.25; 25]);
+                let mut front = Assembly {
+                    panel: &mut panel,
+                    schur: &mut schur,
+                    n_front: n,
+                    n_eliminated: n_panel,
+                    of_element: &places,
+                };
+                if by_entry {
+                    for j in 0..width {
+                        for i in j..width {
+                            let product = (0..m).map(|r| a[i * m + r] * a[j * m + r]).sum();
+                            front.add(i, j, product);
+                        }
+                    }
+                } else {
+                    front.add_gram(runs(places.iter().copied())[0], m, &a);
+                }
+                let lower = (0..n).flat_map(|j| (j..n).map(move |i| (i, j)));
+                lower
+                    .map(|(i, j)| front.below(j, i)[0])
+                    .collect::<Vec<f64>>()
+            };
+            assert_eq!(assembled(true), assembled(false), "{first}, {width}");
+        }
+    }
+
+    #[test]
+    fn a_matrix_to_begin_with_leaves_nothing_of_what_was_there() {
+        let (n, m) = (4, 3);
+        for places in [vec![0, 1, 2, 3], vec![1, 0, 3, 2], vec![2, 3]] {
+            let k = places.len();
+            let matrix: Vec<f64> = (0..k * k).map(|i| 1.0 + i as f64).collect();
+            let assembled = |begin: bool| {
+                let (mut panel, mut schur) = (vec![9.0; n * m], vec![9.0; (n - m) * (n - m)]);
+                let mut front = Assembly {
+                    panel: &mut panel,
+                    schur: &mut schur,
+                    n_front: n,
+                    n_eliminated: m,
+                    of_element: &places,
+                };
+                let runs = runs(places.iter().copied());
+                if begin {
+                    front.set_symmetric(&runs, k, &matrix);
+                } else {
+                    front.clear();
+                    front.add_symmetric(&runs, k, &matrix);
+                }
+                let lower = (0..n).flat_map(|j| (j..n).map(move |i| (i, j)));
+                lower
+                    .map(|(i, j)| front.below(j, i)[0])
+                    .collect::<Vec<f64>>()
+            };
+            assert_eq!(assembled(true), assembled(false));
+        }
     }
 }

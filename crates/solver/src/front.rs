@@ -13,11 +13,12 @@ use faer::linalg::cholesky::llt::factor::{
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::prelude::{Reborrow, ReborrowMut};
-use faer::{Accum, MatMut, MatRef, Par, Spec};
+use faer::{Accum, MatMut, Par, Spec};
 
 use crate::Structure;
 pub use crate::assembly::Assembly;
 use crate::assembly::{Run, runs};
+use crate::kernels::{add_scaled, dot};
 
 /// The matrix is not positive definite: the element and its failed pivot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,6 +36,8 @@ struct Symbolic {
     n_eliminated: usize,
     /// Position in the front of each variable of the element.
     of_element: Vec<usize>,
+    /// The same in runs.
+    runs: Vec<Run>,
     /// Positions in the next front of the carried variables.
     of_carried: Vec<Run>,
 }
@@ -88,6 +91,15 @@ impl Fronts {
     /// [`NotPositiveDefinite`] at the first pivot that is not positive.
     pub fn factorise(
         &mut self,
+        assemble: impl FnMut(usize, &mut Assembly<'_>),
+    ) -> Result<(), NotPositiveDefinite> {
+        self.factorise_from(|_| None, assemble)
+    }
+
+    /// The same where every element begins with a symmetric matrix over its variables, given by its lower triangle.
+    pub(crate) fn factorise_from<'a>(
+        &mut self,
+        begin: impl Fn(usize) -> Option<&'a [f64]>,
         mut assemble: impl FnMut(usize, &mut Assembly<'_>),
     ) -> Result<(), NotPositiveDefinite> {
         let [now, next] = &mut self.schur;
@@ -96,8 +108,6 @@ impl Fronts {
             let (n_front, n_elim) = (symbolic.vars.len(), symbolic.n_eliminated);
             let n_rest = n_front - n_elim;
             let panel = &mut self.panels[e];
-            panel.fill(0.0);
-            next[..n_rest * n_rest].fill(0.0);
             let mut front = Assembly {
                 panel,
                 schur: &mut next[..n_rest * n_rest],
@@ -105,6 +115,12 @@ impl Fronts {
                 n_eliminated: n_elim,
                 of_element: &symbolic.of_element,
             };
+            match begin(e) {
+                Some(matrix) => {
+                    front.set_symmetric(&symbolic.runs, symbolic.of_element.len(), matrix);
+                }
+                None => front.clear(),
+            }
             if e > 0 {
                 front.add_symmetric(&self.symbolic[e - 1].of_carried, carried, now);
             }
@@ -120,10 +136,15 @@ impl Fronts {
 
     /// Solves in place with the last factorisation; `rhs` over all variables.
     pub fn solve(&mut self, rhs: &mut [f64]) {
-        let local = &mut self.local;
+        self.forward(rhs);
+        self.backward(rhs);
+    }
+
+    /// The first half of [`Fronts::solve`]: with the factor L, `rhs` becomes L⁻¹ rhs.
+    fn forward(&mut self, rhs: &mut [f64]) {
         for (symbolic, panel) in self.symbolic.iter().zip(&self.panels) {
             let (n, m) = (symbolic.vars.len(), symbolic.n_eliminated);
-            let b = &mut local[..n];
+            let b = &mut self.local[..n];
             for (x, &v) in b.iter_mut().zip(&symbolic.vars) {
                 *x = rhs[v];
             }
@@ -131,17 +152,19 @@ impl Fronts {
                 let column = &panel[j * n..(j + 1) * n];
                 let x = b[j] / column[j];
                 b[j] = x;
-                for (bi, li) in b[j + 1..].iter_mut().zip(&column[j + 1..]) {
-                    *bi -= li * x;
-                }
+                add_scaled(&mut b[j + 1..], &column[j + 1..], -x);
             }
             for (x, &v) in b.iter().zip(&symbolic.vars) {
                 rhs[v] = *x;
             }
         }
+    }
+
+    /// The second half of [`Fronts::solve`]: `rhs` becomes L⁻ᵀ rhs.
+    fn backward(&mut self, rhs: &mut [f64]) {
         for (symbolic, panel) in self.symbolic.iter().zip(&self.panels).rev() {
             let (n, m) = (symbolic.vars.len(), symbolic.n_eliminated);
-            let b = &mut local[..n];
+            let b = &mut self.local[..n];
             for (x, &v) in b.iter_mut().zip(&symbolic.vars) {
                 *x = rhs[v];
             }
@@ -164,20 +187,6 @@ impl Fronts {
     pub fn memory(&self) -> usize {
         8 * (self.panels.iter().map(Vec::len).sum::<usize>() + self.schur[0].len() * 2)
     }
-}
-
-/// Dot product with eight partial sums, which the compiler vectorises.
-#[inline]
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 8];
-    let (head_a, tail_a) = a.as_chunks::<8>();
-    let (head_b, tail_b) = b[..a.len()].as_chunks::<8>();
-    for (x, y) in head_a.iter().zip(head_b) {
-        for i in 0..8 {
-            sums[i] += x[i] * y[i];
-        }
-    }
-    sums.iter().sum::<f64>() + tail_a.iter().zip(tail_b).map(|(x, y)| x * y).sum::<f64>()
 }
 
 /// Dense partial Cholesky of one front: L₁₁, L₂₁ in the panel, the Schur complement in `schur`.
@@ -222,22 +231,6 @@ fn eliminate(
     Ok(())
 }
 
-/// `out` (lower triangle, column-major `n × n`) = aᵀ a with `a` column-major `m × n`.
-pub(crate) fn gram(a: &[f64], m: usize, n: usize, out: &mut [f64]) {
-    let a = MatRef::from_column_major_slice(&a[..m * n], m, n);
-    triangular::matmul(
-        MatMut::from_column_major_slice_mut(&mut out[..n * n], n, n),
-        BlockStructure::TriangularLower,
-        Accum::Replace,
-        a.transpose(),
-        BlockStructure::Rectangular,
-        a,
-        BlockStructure::Rectangular,
-        1.0,
-        Par::Seq,
-    );
-}
-
 fn analyse(structure: &Structure) -> Vec<Symbolic> {
     let mut last = vec![usize::MAX; structure.n_vars];
     for (e, element) in structure.elements.iter().enumerate() {
@@ -264,11 +257,12 @@ fn analyse(structure: &Structure) -> Vec<Symbolic> {
         if let Some(previous) = fronts.last_mut() {
             previous.of_carried = runs(carried.iter().map(|&v| position[v]));
         }
-        let of_element = element.vars.iter().map(|&v| position[v]).collect();
+        let of_element: Vec<usize> = element.vars.iter().map(|&v| position[v]).collect();
         carried = vars[n_eliminated..].to_vec();
         fronts.push(Symbolic {
             vars,
             n_eliminated,
+            runs: runs(of_element.iter().copied()),
             of_element,
             of_carried: Vec::new(),
         });

@@ -10,8 +10,12 @@
 //! when the inertia of the system is right, factorised front by front, and refined to remove δ.
 
 use crate::assembly::{Run, runs};
-use crate::front::{Fronts, NotPositiveDefinite, dot, gram};
-use crate::{BlockStructure, ElementData, Structure};
+use crate::front::{Fronts, NotPositiveDefinite};
+use crate::kernels::gram;
+use crate::products::{block_multiply, block_transpose_multiply, symmetric_multiply};
+pub(crate) use crate::products::{jacobian_multiply, transpose_multiply};
+use crate::wide_rows::WideRows;
+use crate::{BlockStructure, ElementData, ElementStructure, Structure};
 
 /// Blocks with at least this many Jacobian entries go through the dense kernel.
 const DENSE_BLOCK: usize = 600;
@@ -25,22 +29,26 @@ pub struct Kkt {
     /// Scratch: weights of a block's rows, the block scaled by them, their product.
     weights: Vec<f64>,
     scaled: Vec<f64>,
-    product: Vec<f64>,
+    gram: Vec<f64>,
     var_scratch: Vec<f64>,
-    row_scratch: Vec<f64>,
-    dx_correction: Vec<f64>,
-    dy_correction: Vec<f64>,
-    /// What the refinement has not removed yet.
-    left_x: Vec<f64>,
+    /// What the refinement has not removed yet, by rows, and the right-hand side for the variables that follows from it.
     left_y: Vec<f64>,
+    right: Vec<f64>,
+    next_right: Vec<f64>,
+    /// J dx of one element in the last solve, and of all rows in all solves.
+    product: Vec<f64>,
+    products: Vec<f64>,
+    /// Weights of Jᵀ in the next right-hand side.
+    row_weights: Vec<f64>,
     local: Vec<f64>,
     local_out: Vec<f64>,
 }
 
-/// Where an element's variables and the columns of its blocks lie in its front.
+/// Where the columns of an element's blocks lie in its front.
 struct Places {
-    variables: Vec<Run>,
+    /// No runs where the block is one of the wide rows.
     blocks: Vec<Vec<Run>>,
+    wide_rows: WideRows,
 }
 
 /// The diagonals of the Newton system.
@@ -72,29 +80,39 @@ impl Kkt {
             .map(|e| e.vars.len())
             .max()
             .unwrap_or(0);
+        let most_rows = structure.elements.iter().map(ElementStructure::n_rows);
+        let most_rows = most_rows.max().unwrap_or(0);
         let fronts = Fronts::new(structure);
         let elements = structure.elements.iter().enumerate();
         let places = elements.map(|(e, element)| {
             let positions = fronts.positions(e);
-            let of_block = |b: &BlockStructure| runs(b.cols.iter().map(|&c| positions[c]));
+            let of_block = |b: &BlockStructure| {
+                let cols = if WideRows::has(b) { &[] } else { &b.cols[..] };
+                runs(cols.iter().map(|&c| positions[c]))
+            };
             Places {
-                variables: runs(positions.iter().copied()),
                 blocks: element.blocks.iter().map(of_block).collect(),
+                wide_rows: WideRows::new(element, positions),
             }
         });
+        let places: Vec<Places> = places.collect();
+        let wide = || places.iter().map(|p| &p.wide_rows);
+        let largest_wide = wide().map(WideRows::n_entries).max().unwrap_or(0);
+        let widest = widest.max(wide().map(WideRows::width).max().unwrap_or(0));
         Self {
-            places: places.collect(),
+            places,
             fronts,
             first_row,
             weights: vec![0.0; highest],
-            scaled: vec![0.0; largest],
-            product: vec![0.0; widest * widest],
+            scaled: vec![0.0; largest.max(largest_wide)],
+            gram: vec![0.0; widest * widest],
             var_scratch: vec![0.0; structure.n_vars],
-            row_scratch: vec![0.0; n_rows],
-            dx_correction: vec![0.0; structure.n_vars],
-            dy_correction: vec![0.0; n_rows],
-            left_x: vec![0.0; structure.n_vars],
             left_y: vec![0.0; n_rows],
+            right: vec![0.0; structure.n_vars],
+            next_right: vec![0.0; structure.n_vars],
+            product: vec![0.0; most_rows],
+            products: vec![0.0; n_rows],
+            row_weights: vec![0.0; n_rows],
             local: vec![0.0; n_local],
             local_out: vec![0.0; n_local],
         }
@@ -102,7 +120,7 @@ impl Kkt {
 
     /// Number of rows of all elements.
     pub fn n_rows(&self) -> usize {
-        self.row_scratch.len()
+        self.left_y.len()
     }
 
     /// First row of each element in the concatenated rows, one entry more than elements.
@@ -131,42 +149,56 @@ impl Kkt {
             places,
             weights,
             scaled,
-            product,
+            gram,
             var_scratch,
             ..
         } = self;
         // The diagonal of a variable enters with the first element that touches it.
         var_scratch.copy_from_slice(diagonals.variables);
-        fronts.factorise(|e, front| {
-            let (element, data, places) = (&structure.elements[e], &data[e], &places[e]);
-            let n = element.vars.len();
-            front.add_symmetric(&places.variables, n, &data.hessian);
+        let hessian = |e: usize| Some(&data[e].hessian[..]);
+        fronts.factorise_from(hessian, |e, front| {
+            let (element, data, places) = (&structure.elements[e], &data[e], &mut places[e]);
             for (j, &v) in element.vars.iter().enumerate() {
                 front.add(j, j, var_scratch[v]);
                 var_scratch[v] = 0.0;
             }
             let rows = &diagonals.rows[first_row[e]..first_row[e + 1]];
+            let weight = |row: usize| 1.0 / (rows[row] + diagonals.delta);
+            places.wide_rows.pack(data);
+            places.wide_rows.add_gram(weight, scaled, gram, front);
             let blocks = element.blocks.iter().zip(&data.jacobians);
             for ((block, jacobian), places) in blocks.zip(&places.blocks) {
                 let (m, width) = (block.n_rows, block.cols.len());
-                // Nothing to add; not rare for rows that have levelled out.
-                if m * width == 0 || (m == 1 && jacobian.iter().all(|x| *x == 0.0)) {
+                if m == 0 || places.is_empty() {
                     continue;
                 }
-                let rows = &rows[block.first_row..block.first_row + m];
-                for (w, d) in weights.iter_mut().zip(rows) {
-                    *w = 1.0 / (d + diagonals.delta);
+                for (r, w) in weights[..m].iter_mut().enumerate() {
+                    *w = weight(block.first_row + r);
                 }
-                weighted_gram(jacobian, width, &mut weights[..m], scaled, product);
-                front.add_symmetric(places, width, product);
+                let weights = &mut weights[..m];
+                if m * width < DENSE_BLOCK {
+                    small_gram(jacobian, width, weights, scaled, gram);
+                    front.add_symmetric(places, width, gram);
+                    continue;
+                }
+                scale_rows(jacobian, weights, scaled);
+                if let [run] = places[..] {
+                    front.add_gram(run, m, scaled);
+                } else {
+                    self::gram(scaled, m, width, gram);
+                    front.add_symmetric(places, width, gram);
+                }
             }
         })
     }
 
-    /// Solves the Newton system for (dx, dy) given the residuals, with `refinements` rounds that remove δ.
+    /// Solves the Newton system for (dx, dy) given the residuals, with `refinements` rounds that remove δ; `data` are those
+    /// that were factorised.
     ///
     /// But for rounding, one regularised solve leaves δ dy in the rows and nothing else. Every other round trusts that and
-    /// saves the product with the matrix; the others take the rounding errors off too.
+    /// saves the product with the matrix; the others take the rounding errors off too. What is left of the rows, l, enters
+    /// the right-hand side of the next solve as Jᵀ (R + δ)⁻¹ l, which is added up while the Jacobians of this one's steps
+    /// dy = (R + δ)⁻¹ (l + J dx) are at hand.
     #[allow(clippy::too_many_arguments)] // the pieces of one linear system; a struct would only rename them
     pub fn solve(
         &mut self,
@@ -179,122 +211,149 @@ impl Kkt {
         dx: &mut [f64],
         dy: &mut [f64],
     ) {
+        let system = System {
+            structure,
+            data,
+            diagonals,
+            residual_y,
+        };
         dx.fill(0.0);
         dy.fill(0.0);
-        self.left_x.copy_from_slice(residual_x);
+        self.products.fill(0.0);
         self.left_y.copy_from_slice(residual_y);
+        for (i, weight) in self.row_weights.iter_mut().enumerate() {
+            *weight = residual_y[i] / (diagonals.rows[i] + diagonals.delta);
+        }
+        for (right, r) in self.right.iter_mut().zip(residual_x) {
+            *right = -r;
+        }
+        let (weights, first_row) = (&self.row_weights, &self.first_row);
+        transpose_multiply(structure, data, first_row, weights, &mut self.right, -1.0);
         for round in 0..=refinements {
-            if round % 2 == 1 {
-                self.left_x.fill(0.0);
-                for (left, y) in self.left_y.iter_mut().zip(&self.dy_correction) {
-                    *left = diagonals.delta * y;
+            let next = match round {
+                last if last == refinements => Next::Nothing,
+                even if even % 2 == 0 => Next::Trusted,
+                _ => Next::Exact,
+            };
+            self.next_right.fill(0.0);
+            self.fronts.solve(&mut self.right);
+            for (a, b) in dx.iter_mut().zip(&self.right) {
+                *a += b;
+            }
+            for e in 0..structure.elements.len() {
+                self.step_rows(e, system, next, dx, dy);
+            }
+            if next == Next::Exact {
+                for (i, right) in self.next_right.iter_mut().enumerate() {
+                    *right -= residual_x[i] + diagonals.variables[i] * dx[i];
                 }
-            } else if round > 0 {
-                self.left_x.copy_from_slice(residual_x);
-                self.left_y.copy_from_slice(residual_y);
-                self.add_product(structure, data, diagonals, dx, dy);
             }
-            self.solve_regularised(structure, data, diagonals);
-            for (a, b) in dx.iter_mut().zip(&self.dx_correction) {
-                *a += b;
-            }
-            for (a, b) in dy.iter_mut().zip(&self.dy_correction) {
-                *a += b;
-            }
+            std::mem::swap(&mut self.right, &mut self.next_right);
         }
     }
 
-    /// One solve of what is left with the factorised, regularised system into the correction buffers.
-    fn solve_regularised(
-        &mut self,
-        structure: &Structure,
-        data: &[ElementData],
-        diagonals: Diagonals<'_>,
-    ) {
-        let weighted = &mut self.row_scratch;
-        for ((w, r), d) in weighted.iter_mut().zip(&self.left_y).zip(diagonals.rows) {
-            *w = r / (d + diagonals.delta);
+    /// Adds the steps of an element's rows for its variables' step in `right` to `dy`; adds what the element has in the
+    /// next right-hand side.
+    fn step_rows(&mut self, e: usize, system: System<'_>, next: Next, dx: &[f64], dy: &mut [f64]) {
+        let Diagonals { rows, delta, .. } = system.diagonals;
+        let (element, data) = (&system.structure.elements[e], &system.data[e]);
+        let n = element.vars.len();
+        let (local, out) = (&mut self.local[..n], &mut self.local_out[..n]);
+        for (x, &v) in local.iter_mut().zip(&element.vars) {
+            *x = self.right[v];
         }
-        self.dx_correction
-            .iter_mut()
-            .zip(&self.left_x)
-            .for_each(|(a, r)| *a = -r);
-        transpose_multiply(
-            structure,
-            data,
-            &self.first_row,
-            weighted,
-            &mut self.dx_correction,
-            -1.0,
-        );
-        self.fronts.solve(&mut self.dx_correction);
-        self.dy_correction.copy_from_slice(&self.left_y);
-        jacobian_multiply(
-            structure,
-            data,
-            &self.first_row,
-            &self.dx_correction,
-            &mut self.dy_correction,
-        );
-        for (y, d) in self.dy_correction.iter_mut().zip(diagonals.rows) {
-            *y /= d + diagonals.delta;
-        }
-    }
-
-    /// Adds the (unregularised) system's matrix times (dx, dy) to what is left.
-    fn add_product(
-        &mut self,
-        structure: &Structure,
-        data: &[ElementData],
-        diagonals: Diagonals<'_>,
-        dx: &[f64],
-        dy: &[f64],
-    ) {
-        let (out_x, out_y) = (&mut self.left_x, &mut self.left_y);
-        for (element, data) in structure.elements.iter().zip(data) {
-            let n = element.vars.len();
-            let (x, out) = (&mut self.local[..n], &mut self.local_out[..n]);
-            for (a, &v) in x.iter_mut().zip(&element.vars) {
-                *a = dx[v];
-            }
-            symmetric_multiply(&data.hessian, n, x, out);
-            for (a, &v) in out.iter().zip(&element.vars) {
-                out_x[v] += a;
+        let wide = &self.places[e].wide_rows;
+        let here = self.first_row[e]..self.first_row[e + 1];
+        let product = &mut self.product[..here.len()];
+        product.fill(0.0);
+        for (block, jacobian) in element.blocks.iter().zip(&data.jacobians) {
+            if !WideRows::has(block) {
+                let product = &mut product[block.first_row..block.first_row + block.n_rows];
+                block_multiply(block, jacobian, local, product);
             }
         }
-        for ((o, d), x) in out_x.iter_mut().zip(diagonals.variables).zip(dx) {
-            *o += d * x;
+        wide.multiply(local, &mut self.scaled, product);
+        let left = &mut self.left_y[here.clone()];
+        let (rows, dy) = (&rows[here.clone()], &mut dy[here.clone()]);
+        let weights = &mut self.row_weights[here.clone()];
+        let sums = &mut self.products[here.clone()];
+        let residual = &system.residual_y[here];
+        for i in 0..rows.len() {
+            let regularised = rows[i] + delta;
+            let step = (left[i] + product[i]) / regularised;
+            dy[i] += step;
+            sums[i] += product[i];
+            match next {
+                Next::Nothing => {}
+                Next::Trusted => {
+                    left[i] = delta * step;
+                    weights[i] = left[i] / regularised;
+                }
+                Next::Exact => {
+                    left[i] = residual[i] + sums[i] - rows[i] * dy[i];
+                    weights[i] = dy[i] + left[i] / regularised;
+                }
+            }
         }
-        transpose_multiply(structure, data, &self.first_row, dy, out_x, 1.0);
-        jacobian_multiply(structure, data, &self.first_row, dx, out_y);
-        for ((o, d), y) in out_y.iter_mut().zip(diagonals.rows).zip(dy) {
-            *o -= d * y;
+        if next == Next::Nothing {
+            return;
+        }
+        out.fill(0.0);
+        for (block, jacobian) in element.blocks.iter().zip(&data.jacobians) {
+            if !WideRows::has(block) {
+                let weights = &weights[block.first_row..block.first_row + block.n_rows];
+                block_transpose_multiply(block, jacobian, weights, out);
+            }
+        }
+        wide.transpose_multiply(weights, &mut self.scaled, out);
+        if next == Next::Exact {
+            for (x, &v) in local.iter_mut().zip(&element.vars) {
+                *x = dx[v];
+            }
+            symmetric_multiply(&data.hessian, n, local, out);
+        }
+        for (a, &v) in out.iter().zip(&element.vars) {
+            self.next_right[v] -= a;
         }
     }
 }
 
-/// Lower triangle of Jᵀ diag(weights) J into `out`, column-major `n × n`, for `jacobian` column-major `m × n`. The
-/// weights are used up.
-fn weighted_gram(
-    jacobian: &[f64],
-    n: usize,
-    weights: &mut [f64],
-    scaled: &mut [f64],
-    out: &mut [f64],
-) {
+/// The system to solve.
+#[derive(Clone, Copy)]
+struct System<'a> {
+    structure: &'a Structure,
+    data: &'a [ElementData],
+    diagonals: Diagonals<'a>,
+    residual_y: &'a [f64],
+}
+
+/// What the round after this one removes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Next {
+    /// There is none.
+    Nothing,
+    /// δ dy of this round.
+    Trusted,
+    /// The residual of the whole system, whose part Jᵀ dy joins Jᵀ (R + δ)⁻¹ l.
+    Exact,
+}
+
+/// `out` = diag(√weights) J, column-major as `jacobian`. The weights become their roots.
+fn scale_rows(jacobian: &[f64], weights: &mut [f64], out: &mut [f64]) {
     let m = weights.len();
-    if m * n >= DENSE_BLOCK {
-        for w in weights.iter_mut() {
-            *w = w.sqrt();
-        }
-        for (to, from) in scaled.chunks_exact_mut(m).zip(jacobian.chunks_exact(m)) {
-            for ((to, from), w) in to.iter_mut().zip(from).zip(&*weights) {
-                *to = from * w;
-            }
-        }
-        gram(scaled, m, n, out);
-        return;
+    for w in weights.iter_mut() {
+        *w = w.sqrt();
     }
+    for (to, from) in out.chunks_exact_mut(m).zip(jacobian.chunks_exact(m)) {
+        for ((to, from), w) in to.iter_mut().zip(from).zip(&*weights) {
+            *to = from * w;
+        }
+    }
+}
+
+/// Lower triangle of Jᵀ diag(weights) J into `out`, column-major `n × n`, for `jacobian` column-major `m × n`.
+fn small_gram(jacobian: &[f64], n: usize, weights: &[f64], scaled: &mut [f64], out: &mut [f64]) {
+    let m = weights.len();
     let row = &mut scaled[..n];
     for r in 0..m {
         for (x, column) in row.iter_mut().zip(jacobian.chunks_exact(m)) {
@@ -304,78 +363,6 @@ fn weighted_gram(
             let wj = weights[r] * row[j];
             for (o, x) in out[j * n + j..(j + 1) * n].iter_mut().zip(&row[j..]) {
                 *o = if r == 0 { wj * x } else { *o + wj * x };
-            }
-        }
-    }
-}
-
-/// `out = H x` for a symmetric matrix given by its lower triangle.
-fn symmetric_multiply(h: &[f64], n: usize, x: &[f64], out: &mut [f64]) {
-    out.fill(0.0);
-    for j in 0..n {
-        let column = &h[j * n + j + 1..(j + 1) * n];
-        let xj = x[j];
-        for (o, hij) in out[j + 1..].iter_mut().zip(column) {
-            *o += hij * xj;
-        }
-        out[j] += h[j * n + j] * xj + dot(column, &x[j + 1..]);
-    }
-}
-
-/// The columns of a block; none of a block without rows.
-fn columns<'a>(jacobian: &'a [f64], block: &BlockStructure) -> std::slice::ChunksExact<'a, f64> {
-    jacobian.chunks_exact(block.n_rows.max(1))
-}
-
-/// `out += sign · Jᵀ y`.
-pub(crate) fn transpose_multiply(
-    structure: &Structure,
-    data: &[ElementData],
-    first_row: &[usize],
-    y: &[f64],
-    out: &mut [f64],
-    sign: f64,
-) {
-    for (e, (element, data)) in structure.elements.iter().zip(data).enumerate() {
-        for (block, jacobian) in element.blocks.iter().zip(&data.jacobians) {
-            let first = first_row[e] + block.first_row;
-            let rows = first..first + block.n_rows;
-            if block.n_rows == 1 {
-                let weight = sign * y[first];
-                for (x, &c) in jacobian.iter().zip(&block.cols) {
-                    out[element.vars[c]] += weight * x;
-                }
-                continue;
-            }
-            for (column, &c) in columns(jacobian, block).zip(&block.cols) {
-                out[element.vars[c]] += sign * dot(column, &y[rows.clone()]);
-            }
-        }
-    }
-}
-
-/// `out += J x`.
-pub(crate) fn jacobian_multiply(
-    structure: &Structure,
-    data: &[ElementData],
-    first_row: &[usize],
-    x: &[f64],
-    out: &mut [f64],
-) {
-    for (e, (element, data)) in structure.elements.iter().zip(data).enumerate() {
-        for (block, jacobian) in element.blocks.iter().zip(&data.jacobians) {
-            let first = first_row[e] + block.first_row;
-            if block.n_rows == 1 {
-                let row = jacobian.iter().zip(&block.cols);
-                out[first] += row.map(|(j, &c)| j * x[element.vars[c]]).sum::<f64>();
-                continue;
-            }
-            let out = &mut out[first..first + block.n_rows];
-            for (column, &c) in columns(jacobian, block).zip(&block.cols) {
-                let xc = x[element.vars[c]];
-                for (o, j) in out.iter_mut().zip(column) {
-                    *o += j * xc;
-                }
             }
         }
     }

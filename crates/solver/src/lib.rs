@@ -18,10 +18,13 @@ mod barrier;
 mod filter;
 pub mod front;
 pub mod interior_point;
+mod kernels;
 mod kkt;
 mod options;
 mod problem;
+mod products;
 mod report;
+mod wide_rows;
 
 pub use interior_point::InteriorPoint;
 pub use kkt::{Diagonals, Kkt};

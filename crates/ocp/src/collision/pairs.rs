@@ -1,12 +1,13 @@
 //! Which pairs of bodies get rows (or a penalty) at which node, and with which balls.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::{Ball, Clearances, CollisionModel, ExtraClearance, Other, Primitive, SelfPair};
 use crate::program::{Grid, Phase, Program};
 use crate::settings::Preset;
 use crate::terms::PoseTerm;
-use crate::terms::distance::{Distance, EVENNESS, Obstacle, Part};
+use crate::terms::distance::{Balls, Distance, EVENNESS, Obstacle, Part};
 use crate::terms::sigmoid::Sigmoid;
 use multibody::Kinematics;
 use scene::Scene;
@@ -40,6 +41,41 @@ pub struct Pair {
     pub b: Option<usize>,
     /// Rows.
     pub term: Arc<dyn PoseTerm>,
+}
+
+/// The last balls and obstacles of each pair of bodies, found again while they stay the same from node to node.
+#[derive(Default)]
+struct Shared {
+    balls: Last<Balls>,
+    obstacles: Last<Obstacle>,
+}
+
+/// By index of the pair: body and primitive, or pair of links and nothing.
+type Last<T> = BTreeMap<(usize, Option<usize>), Arc<T>>;
+
+impl Shared {
+    fn row(
+        &mut self,
+        pair: (usize, Option<usize>),
+        (balls, obstacle): (Vec<Ball>, Obstacle),
+        obstacle_from_b: Pose,
+        clearance: f64,
+    ) -> Distance {
+        let balls = share(&mut self.balls, pair, Balls::new(balls));
+        let obstacle = share(&mut self.obstacles, pair, obstacle);
+        Distance::sharing(balls, obstacle, obstacle_from_b, clearance)
+    }
+}
+
+fn share<T: PartialEq>(last: &mut Last<T>, pair: (usize, Option<usize>), new: T) -> Arc<T> {
+    match last.get(&pair) {
+        Some(same) if **same == new => same.clone(),
+        _ => {
+            let new = Arc::new(new);
+            last.insert(pair, new.clone());
+            new
+        }
+    }
 }
 
 /// The nearest contact of a pair in time.
@@ -125,7 +161,7 @@ impl CollisionModel {
             nodes.dedup();
             nodes.into_iter().map(|i| &kinematics[i]).collect()
         };
-        let mut out = Vec::new();
+        let (mut out, mut shared) = (Vec::new(), Shared::default());
         for t in 0..=n {
             if program.nodes[t].var.is_none() || program.master_node(t) != t {
                 continue;
@@ -146,9 +182,9 @@ impl CollisionModel {
                 window: &window,
                 since: &since,
             };
-            self.obstacle_pairs(program, &at, extra, &mut out);
+            self.obstacle_pairs(program, &at, extra, &mut shared, &mut out);
             if program.settings.preset == Preset::Default {
-                self.link_pairs(program, &at, &mut out);
+                self.link_pairs(program, &at, &mut shared, &mut out);
             } else {
                 self.link_penalties(&at, &mut out);
             }
@@ -162,11 +198,12 @@ impl CollisionModel {
         program: &Program,
         at: &At<'_>,
         extra: &ExtraClearance,
+        shared: &mut Shared,
         out: &mut Vec<Pair>,
     ) {
         let paper = program.settings.preset == Preset::Paper;
         for a in 0..self.balls.len() {
-            for primitive in &self.primitives {
+            for (index, primitive) in self.primitives.iter().enumerate() {
                 if primitive.joint == Some(a) || self.balls[a].is_empty() {
                     continue;
                 }
@@ -196,7 +233,8 @@ impl CollisionModel {
                 } else {
                     let more = extra.get(&(at.node, a, other)).copied().unwrap_or(0.0);
                     let clearance = self.clearance(program, a, primitive, other, at) + more;
-                    Arc::new(Distance::new(balls, obstacle, obstacle_from_b, clearance))
+                    let shapes = (balls, obstacle);
+                    Arc::new(shared.row((a, Some(index)), shapes, obstacle_from_b, clearance))
                 };
                 out.push(Pair {
                     node: at.node,
@@ -314,8 +352,8 @@ impl CollisionModel {
     }
 
     /// Links of the robot against one another.
-    fn link_pairs(&self, program: &Program, at: &At<'_>, out: &mut Vec<Pair>) {
-        for pair in &self.self_pairs {
+    fn link_pairs(&self, program: &Program, at: &At<'_>, shared: &mut Shared, out: &mut Vec<Pair>) {
+        for (index, pair) in self.self_pairs.iter().enumerate() {
             let (near_a, near_b) = self.balls_near_link(pair, at.window);
             if near_a.is_empty() {
                 continue;
@@ -332,9 +370,9 @@ impl CollisionModel {
                 node: at.node,
                 a: pair.a,
                 b: Some(pair.b),
-                term: Arc::new(Distance::new(
-                    near_a,
-                    Obstacle::Parts(near_b),
+                term: Arc::new(shared.row(
+                    (index, None),
+                    (near_a, Obstacle::Parts(near_b)),
                     Pose::identity(),
                     clearance,
                 )),

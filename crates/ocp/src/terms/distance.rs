@@ -1,14 +1,7 @@
 //! Clearance: the balls of a stay outside a primitive of b.
 //!
-//! One body is covered by balls (capsules by rows of balls), so every pair is ball against box, half-space or ball. The box's distance is smooth: with d_±i = ±p_i − h_i over its six faces,
-//!
-//! ```text
-//! d(p) = ε ln Σ exp(d_±i / ε)  ≥  max_i (|p_i| − h_i)
-//! ```
-//!
-//! convex and infinitely smooth; exact over faces, at most ε ln 3 too large at a corner, and smaller than the Euclidean
-//! distance around edges by up to (1 − 1/√2) of it, which is the safe side. All pairs of a and b make one row, the
-//! smooth minimum
+//! One body is covered by balls (capsules by rows of balls), so every pair is ball against box, half-space or ball
+//! ([`super::obstacle`]). All pairs of a and b make one row, the smooth minimum
 //!
 //! ```text
 //! d = −η ln Σ_k exp(−d_k / η)  ≤  min_k d_k
@@ -21,106 +14,30 @@
 //! φ = d₀ + (d₁ − d₀)(u − u³ + u⁴/2)
 //! ```
 //!
+//! The shares exp(−d_k/η)/Σ of the pairs that matter are found with the value and kept for the derivatives, Σ share ∇d_k
+//! and Σ share (∇²d_k − ∇d_k ∇d_kᵀ/η) + ∇d ∇dᵀ/η. Those are summed in the obstacle's axes, as by the motion ρ + ω × arm
+//! of each ball, and turned into those of a at the end.
+//!
 //! Source: ours, in place of the paper's sigmoids (eq. penalties), which exclude nothing.
 
 use super::PoseTerm;
-use super::pose_functions::{point_derivatives, point_gradient};
+pub use super::obstacle::{EVENNESS, Obstacle, Part};
+use super::obstacle::{LANES, Lanes, act};
+use super::pose_functions::direction_block;
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
-use spatial::Pose;
+use spatial::{Pose, skew};
+use std::sync::Arc;
 
-/// η [m].
-pub const EVENNESS: f64 = 0.003;
-/// ε [m]: twice η, so that exp(−d/η) of a box needs no logarithm.
-const SHARPNESS: f64 = 2.0 * EVENNESS;
 /// d₀ and d₁ [m].
 const LEVEL: (f64, f64) = (0.06, 0.12);
 /// Balls farther away than the nearest one by more than this have no say: exp(−SEEN/η) is 1e-7 [m].
 const SEEN: f64 = 16.0 * EVENNESS;
 
-/// Rough distances of a row that are kept; those of more pairs are found twice.
-const KEPT: usize = 64;
-
-/// A primitive of b.
-#[derive(Debug, Clone)]
-pub enum Obstacle {
-    /// A box with these half sizes, centred in b.
-    Box(Vector3<f64>),
-    /// The half-space z < 0 of b.
-    HalfSpace,
-    /// Several parts, such as those of a link.
-    Parts(Vec<Part>),
-}
-
-/// A part of an obstacle.
-#[derive(Debug, Clone)]
-pub enum Part {
-    /// Centre in b and radius.
-    Ball(Vector3<f64>, f64),
-    /// Pose of b in the box, and half sizes.
-    Box(Pose, Vector3<f64>),
-}
-
-impl Part {
-    /// Distance of a point, Euclidean to a ball, to the farthest-out face of a box [m].
-    #[inline]
-    pub fn rough_distance(&self, p: &Vector3<f64>) -> f64 {
-        match self {
-            Self::Ball(centre, radius) => (p - centre).norm() - radius,
-            Self::Box(pose, half) => farthest_out(&pose.act(*p), half),
-        }
-    }
-
-    fn soft(&self, p: &Vector3<f64>) -> Soft {
-        match self {
-            Self::Ball(centre, radius) => Soft {
-                base: centre_distance(&(p - centre)).0 - radius,
-                sum: 1.0,
-            },
-            Self::Box(pose, half) => faces(&pose.act(*p), half).0,
-        }
-    }
-
-    fn derivatives(&self, p: &Vector3<f64>) -> (Soft, Vector3<f64>, Matrix3<f64>) {
-        match self {
-            Self::Ball(centre, radius) => {
-                let (d, g, h) = centre_distance(&(p - centre));
-                let base = d - radius;
-                (Soft { base, sum: 1.0 }, g, h)
-            }
-            Self::Box(pose, half) => {
-                let (d, g, h) = box_distance(&pose.act(*p), half);
-                let r = pose.rotation();
-                (d, r.tr_mul(&g), r.tr_mul(&h) * r)
-            }
-        }
-    }
-}
-
-/// A distance base + ε ln sum [m].
-#[derive(Debug, Clone, Copy)]
-struct Soft {
-    base: f64,
-    sum: f64,
-}
-
-impl Soft {
-    fn value(self) -> f64 {
-        self.base + SHARPNESS * self.sum.ln()
-    }
-
-    /// exp((reference − distance) / η), the weight in the smooth minimum.
-    fn share(self, reference: f64) -> f64 {
-        // exp(−ε/η ln sum) with ε = 2 η
-        ((reference - self.base) / EVENNESS).exp() / (self.sum * self.sum)
-    }
-}
-
 /// One row: levelled smooth least distance ≥ clearance [m].
 #[derive(Debug)]
 pub struct Distance {
-    balls: Vec<Ball>,
-    bound: Ball,
-    obstacle: Obstacle,
+    balls: Arc<Balls>,
+    obstacle: Arc<Obstacle>,
     obstacle_from_b: Pose,
     clearance: f64,
     /// Most by which the smooth least distance can be less than the least one [m].
@@ -140,6 +57,137 @@ pub fn bounding_ball(balls: &[Ball]) -> Ball {
     (mean, radius)
 }
 
+/// Some balls side by side: centres by coordinate, and radii. Those that fill up the last row are nowhere near.
+#[derive(Debug, PartialEq)]
+struct RowOfBalls {
+    centres: [Lanes; 3],
+    radii: Lanes,
+}
+
+impl RowOfBalls {
+    fn new(balls: &[Ball]) -> Self {
+        let lane = |of: &dyn Fn(&Ball) -> f64, none: f64| -> Lanes {
+            std::array::from_fn(|l| balls.get(l).map_or(none, of))
+        };
+        Self {
+            centres: std::array::from_fn(|i| lane(&|ball| ball.0[i], 0.0)),
+            radii: lane(&|ball| ball.1, f64::NEG_INFINITY),
+        }
+    }
+}
+
+/// Balls of a body, with what makes a search among them fast.
+#[derive(Debug, PartialEq)]
+pub struct Balls {
+    all: Vec<Ball>,
+    /// The same side by side.
+    rows: Vec<RowOfBalls>,
+    bound: Ball,
+}
+
+impl Balls {
+    /// From centres and radii.
+    pub fn new(balls: Vec<Ball>) -> Self {
+        Self {
+            rows: balls.chunks(LANES).map(RowOfBalls::new).collect(),
+            bound: bounding_ball(&balls),
+            all: balls,
+        }
+    }
+}
+
+/// A ball and a part of the obstacle that matter, and how much.
+#[derive(Debug, Clone, Copy)]
+struct Share {
+    ball: u32,
+    part: u32,
+    /// exp(−d_k/η)/Σ.
+    weight: f64,
+}
+
+/// What a row's value leaves for its derivatives at the same pose.
+#[derive(Debug, Clone)]
+pub struct Nearest {
+    /// Smooth least distance [m]; infinite if the row has levelled out.
+    distance: f64,
+    shares: Vec<Share>,
+}
+
+impl Nearest {
+    /// Nothing found yet, with room for `n_pairs` pairs ([`PoseTerm::n_pairs`]).
+    pub fn new(n_pairs: usize) -> Self {
+        Self {
+            distance: f64::NAN,
+            shares: Vec::with_capacity(n_pairs),
+        }
+    }
+}
+
+/// Sums of gradients and Hessians of the balls' distances by the linear and angular motion of a, in the obstacle's axes.
+struct Sums {
+    linear: Vector3<f64>,
+    angular: Vector3<f64>,
+    linear_linear: Matrix3<f64>,
+    linear_angular: Matrix3<f64>,
+    angular_angular: Matrix3<f64>,
+}
+
+impl Sums {
+    fn new() -> Self {
+        Self {
+            linear: Vector3::zeros(),
+            angular: Vector3::zeros(),
+            linear_linear: Matrix3::zeros(),
+            linear_angular: Matrix3::zeros(),
+            angular_angular: Matrix3::zeros(),
+        }
+    }
+
+    /// Gradient `g` at the end of `arm`, which moves by ρ + ω × arm.
+    #[inline]
+    fn add_gradient(&mut self, arm: &Vector3<f64>, g: &Vector3<f64>) {
+        self.linear += g;
+        self.angular += arm.cross(g);
+    }
+
+    /// Hessian `h` and gradient `g` at the end of `arm`, which moves by ρ + ω × arm + ½ ω × (ρ + ω × arm).
+    #[inline]
+    fn add_hessian(&mut self, arm: &Vector3<f64>, g: &Vector3<f64>, h: &Matrix3<f64>) {
+        self.linear_linear += h;
+        // h [arm]ᵀ and [arm] h [arm]ᵀ: rows, then columns, of cross products.
+        let cross = |i: usize| arm.cross(&h.column(i));
+        let turned = Matrix3::from_columns(&[cross(0), cross(1), cross(2)]);
+        self.linear_angular += turned.transpose();
+        let cross = |i: usize| arm.cross(&turned.row(i).transpose());
+        let turned = Matrix3::from_columns(&[cross(0), cross(1), cross(2)]);
+        self.angular_angular += turned + direction_block(g, arm);
+    }
+
+    /// The gradient in the axes of a.
+    fn gradient(&self, obstacle_from_a: &Matrix3<f64>) -> Vector6<f64> {
+        let (v, w) = (
+            obstacle_from_a.tr_mul(&self.linear),
+            obstacle_from_a.tr_mul(&self.angular),
+        );
+        Vector6::new(v.x, v.y, v.z, w.x, w.y, w.z)
+    }
+
+    /// The Hessian in the axes of a.
+    fn hessian(&self, obstacle_from_a: &Matrix3<f64>) -> Matrix6<f64> {
+        let turned = |m: &Matrix3<f64>| obstacle_from_a.tr_mul(m) * obstacle_from_a;
+        let mixed = turned(&(self.linear_angular + skew(&self.linear) * 0.5));
+        let mut out = Matrix6::zeros();
+        out.fixed_view_mut::<3, 3>(0, 0)
+            .copy_from(&turned(&self.linear_linear));
+        out.fixed_view_mut::<3, 3>(0, 3).copy_from(&mixed);
+        out.fixed_view_mut::<3, 3>(3, 0)
+            .copy_from(&mixed.transpose());
+        out.fixed_view_mut::<3, 3>(3, 3)
+            .copy_from(&turned(&self.angular_angular));
+        out
+    }
+}
+
 /// φ and its first and second derivative.
 fn level(d: f64) -> (f64, f64, f64) {
     let (from, to) = LEVEL;
@@ -157,112 +205,6 @@ fn level(d: f64) -> (f64, f64, f64) {
     }
 }
 
-/// Distance of p to the farthest-out face of a box.
-#[inline]
-fn farthest_out(p: &Vector3<f64>, half: &Vector3<f64>) -> f64 {
-    let out = |i: usize| p[i].abs() - half[i];
-    out(0).max(out(1)).max(out(2))
-}
-
-/// Smooth box distance at p and the weights of the six faces.
-fn faces(p: &Vector3<f64>, half: &Vector3<f64>) -> (Soft, [f64; 6]) {
-    let faces: [f64; 6] = std::array::from_fn(|i| {
-        if i < 3 {
-            p[i] - half[i]
-        } else {
-            -p[i - 3] - half[i - 3]
-        }
-    });
-    let largest = farthest_out(p, half);
-    let weights = faces.map(|d| {
-        let far = (d - largest) / SHARPNESS;
-        if far >= 0.0 {
-            1.0
-        } else if far < -20.0 {
-            0.0
-        } else {
-            far.exp()
-        }
-    });
-    let soft = Soft {
-        base: largest,
-        sum: weights.iter().sum(),
-    };
-    (soft, weights)
-}
-
-/// Value, gradient and Hessian of the smooth box distance at p.
-fn box_distance(p: &Vector3<f64>, half: &Vector3<f64>) -> (Soft, Vector3<f64>, Matrix3<f64>) {
-    let (soft, weights) = faces(p, half);
-    let sum = soft.sum;
-    let gradient = Vector3::from_fn(|i, _| (weights[i] - weights[i + 3]) / sum);
-    let diagonal = Vector3::from_fn(|i, _| (weights[i] + weights[i + 3]) / sum);
-    let hessian = (Matrix3::from_diagonal(&diagonal) - gradient * gradient.transpose()) / SHARPNESS;
-    (soft, gradient, hessian)
-}
-
-/// Smooth distance of two centres: √(|p|² + ε²) with ε = 1 mm, never smaller than the distance by more than it.
-fn centre_distance(p: &Vector3<f64>) -> (f64, Vector3<f64>, Matrix3<f64>) {
-    const EPSILON: f64 = 1e-3;
-    let d = (p.norm_squared() + EPSILON * EPSILON).sqrt();
-    let g = p / d;
-    (d, g, (Matrix3::identity() - g * g.transpose()) / d)
-}
-
-impl Obstacle {
-    /// Number of parts with a distance of their own.
-    fn parts(&self) -> usize {
-        match self {
-            Self::Box(_) | Self::HalfSpace => 1,
-            Self::Parts(parts) => parts.len(),
-        }
-    }
-
-    /// A lower bound of the distance of a point to a part that is cheap, and no more than ε ln 6 below it.
-    fn rough_distance(&self, part: usize, p: &Vector3<f64>) -> f64 {
-        match self {
-            Self::Box(half) => farthest_out(p, half),
-            Self::HalfSpace => p.z,
-            Self::Parts(parts) => parts[part].rough_distance(p),
-        }
-    }
-
-    /// Distance of a point to a part.
-    fn soft(&self, part: usize, p: &Vector3<f64>) -> Soft {
-        match self {
-            Self::Box(half) => faces(p, half).0,
-            Self::HalfSpace => Soft {
-                base: p.z,
-                sum: 1.0,
-            },
-            Self::Parts(parts) => parts[part].soft(p),
-        }
-    }
-
-    /// Distance of a point to a part, gradient and Hessian.
-    fn derivatives(&self, part: usize, p: &Vector3<f64>) -> (Soft, Vector3<f64>, Matrix3<f64>) {
-        match self {
-            Self::Box(half) => box_distance(p, half),
-            Self::HalfSpace => (self.soft(part, p), Vector3::z(), Matrix3::zeros()),
-            Self::Parts(parts) => parts[part].derivatives(p),
-        }
-    }
-
-    /// Distance of a point to the nearest part, not smoothed and so at most ε ln 6 less [m].
-    pub fn roughly_nearest(&self, p: &Vector3<f64>) -> f64 {
-        (0..self.parts())
-            .map(|part| self.rough_distance(part, p))
-            .fold(f64::INFINITY, f64::min)
-    }
-
-    /// Distance of a point to the nearest part [m].
-    pub fn nearest(&self, p: &Vector3<f64>) -> f64 {
-        (0..self.parts())
-            .map(|part| self.soft(part, p).value())
-            .fold(f64::INFINITY, f64::min)
-    }
-}
-
 impl Distance {
     /// `balls` of a with centres in a, `obstacle` in the frame that `obstacle_from_b` leads to, least distance
     /// `clearance` [m], which may be negative for a tolerated overlap.
@@ -272,10 +214,21 @@ impl Distance {
         obstacle_from_b: Pose,
         clearance: f64,
     ) -> Self {
-        let pairs = (balls.len() * obstacle.parts()).max(1);
+        let (balls, obstacle) = (Arc::new(Balls::new(balls)), Arc::new(obstacle));
+        Self::sharing(balls, obstacle, obstacle_from_b, clearance)
+    }
+
+    /// The same with balls and an obstacle that other rows have too. Rows are many, and what they share stays in the
+    /// processor's caches.
+    pub fn sharing(
+        balls: Arc<Balls>,
+        obstacle: Arc<Obstacle>,
+        obstacle_from_b: Pose,
+        clearance: f64,
+    ) -> Self {
+        let pairs = (balls.all.len() * obstacle.parts()).max(1);
         Self {
             blur: EVENNESS * (pairs as f64).ln(),
-            bound: bounding_ball(&balls),
             balls,
             obstacle,
             obstacle_from_b,
@@ -285,43 +238,72 @@ impl Distance {
 
     /// True if the row has levelled out whatever the details. `x` is the pose of a in the obstacle's frame.
     fn is_far(&self, x: &Pose) -> bool {
-        let nearest = self.obstacle.roughly_nearest(&x.act(self.bound.0));
-        nearest - self.bound.1 > LEVEL.1 + self.blur
+        let nearest = self.obstacle.roughly_nearest(&x.act(self.balls.bound.0));
+        nearest - self.balls.bound.1 > LEVEL.1 + self.blur
     }
 
-    /// Lower bound of the distances of all pairs; those of the first pairs are kept in `rough`, part by part of each ball.
-    fn least(&self, x: &Pose, rough: &mut [f64; KEPT]) -> f64 {
-        let (mut least, mut pair) = (f64::INFINITY, 0);
-        for (centre, radius) in &self.balls {
-            let p = x.act(*centre);
+    /// Pairs whose rough distance is less than that of the roughly nearest one so far plus [`SEEN`], with that distance in
+    /// place of their share. Returns the roughly least distance.
+    fn candidates(&self, x: &Pose, out: &mut Vec<Share>) -> f64 {
+        let mut least = f64::INFINITY;
+        for (row, balls) in self.balls.rows.iter().enumerate() {
+            let p = act(x, &balls.centres);
             for part in 0..self.obstacle.parts() {
-                let distance = self.obstacle.rough_distance(part, &p) - radius;
-                least = least.min(distance);
-                if let Some(kept) = rough.get_mut(pair) {
-                    *kept = distance;
+                let mut distances = self.obstacle.rough_distances(part, &p);
+                for (d, radius) in distances.iter_mut().zip(&balls.radii) {
+                    *d -= radius;
                 }
-                pair += 1;
+                let nearest = distances.iter().fold(f64::INFINITY, |a, b| a.min(*b));
+                least = least.min(nearest);
+                if nearest >= least + SEEN {
+                    continue;
+                }
+                for (l, &weight) in distances.iter().enumerate() {
+                    if weight < least + SEEN {
+                        let (ball, part) = ((row * LANES + l) as u32, part as u32);
+                        out.push(Share { ball, part, weight });
+                    }
+                }
             }
         }
         least
     }
 
-    /// The parts near enough to a ball, which is at `p` in the obstacle's frame, to have a say.
-    fn seen(
-        &self,
-        ball: usize,
-        p: Vector3<f64>,
-        least: f64,
-        rough: &[f64; KEPT],
-    ) -> impl Iterator<Item = usize> {
-        let parts = self.obstacle.parts();
-        (0..parts).filter(move |&part| {
-            let distance = match rough.get(ball * parts + part) {
-                Some(kept) => *kept,
-                None => self.obstacle.rough_distance(part, &p) - self.balls[ball].1,
-            };
-            distance < least + SEEN
-        })
+    /// Finds the pairs that matter, their shares, and the smooth least distance. `x` is the pose of a in the obstacle's frame.
+    fn find(&self, x: &Pose, out: &mut Nearest) {
+        let Nearest { distance, shares } = out;
+        shares.clear();
+        *distance = f64::INFINITY;
+        if self.is_far(x) {
+            return;
+        }
+        let least = self.candidates(x, shares);
+        if least > LEVEL.1 + self.blur {
+            shares.clear();
+            return;
+        }
+        let mut sum = 0.0;
+        shares.retain_mut(|pair| {
+            if pair.weight >= least + SEEN {
+                return false;
+            }
+            let (centre, radius) = &self.balls.all[pair.ball as usize];
+            let soft = self.obstacle.soft(pair.part as usize, &x.act(*centre));
+            pair.weight = soft.share(least + radius);
+            sum += pair.weight;
+            true
+        });
+        for pair in shares {
+            pair.weight /= sum;
+        }
+        *distance = least - EVENNESS * sum.ln();
+    }
+
+    /// Nothing kept from the value: finds what matters again.
+    fn found(&self, b_from_a: &Pose) -> Nearest {
+        let mut nearest = Nearest::new(0);
+        self.find(&(self.obstacle_from_b * *b_from_a), &mut nearest);
+        nearest
     }
 }
 
@@ -335,25 +317,11 @@ impl PoseTerm for Distance {
     fn bounds(&self) -> Vec<(f64, f64)> {
         vec![(self.clearance, f64::INFINITY)]
     }
+    fn n_pairs(&self) -> usize {
+        self.balls.all.len() * self.obstacle.parts()
+    }
     fn values(&self, b_from_a: &Pose, out: &mut [f64]) {
-        let x = self.obstacle_from_b * *b_from_a;
-        out[0] = level(f64::INFINITY).0;
-        if self.is_far(&x) {
-            return;
-        }
-        let mut rough = [0.0; KEPT];
-        let least = self.least(&x, &mut rough);
-        if least > LEVEL.1 + self.blur {
-            return;
-        }
-        let mut sum = 0.0;
-        for (ball, (centre, radius)) in self.balls.iter().enumerate() {
-            let p = x.act(*centre);
-            for part in self.seen(ball, p, least, &rough) {
-                sum += self.obstacle.soft(part, &p).share(least + radius);
-            }
-        }
-        out[0] = level(least - EVENNESS * sum.ln()).0;
+        out[0] = level(self.found(b_from_a).distance).0;
     }
     fn gradients(&self, b_from_a: &Pose, out: &mut [Vector6<f64>]) {
         self.derivatives(b_from_a, &[0.0], out);
@@ -367,50 +335,46 @@ impl PoseTerm for Distance {
         weights: &[f64],
         gradients: &mut [Vector6<f64>],
     ) -> Matrix6<f64> {
+        self.derivatives_near(b_from_a, weights, &self.found(b_from_a), gradients)
+    }
+    fn values_near(&self, b_from_a: &Pose, out: &mut [f64], nearest: &mut Nearest) {
+        self.find(&(self.obstacle_from_b * *b_from_a), nearest);
+        out[0] = level(nearest.distance).0;
+    }
+    fn derivatives_near(
+        &self,
+        b_from_a: &Pose,
+        weights: &[f64],
+        nearest: &Nearest,
+        gradients: &mut [Vector6<f64>],
+    ) -> Matrix6<f64> {
+        let (_, slope, bend) = level(nearest.distance);
+        if slope == 0.0 {
+            gradients[0] = Vector6::zeros();
+            return Matrix6::zeros();
+        }
         let x = self.obstacle_from_b * *b_from_a;
-        gradients[0] = Vector6::zeros();
-        if self.is_far(&x) {
-            return Matrix6::zeros();
-        }
-        let mut rough = [0.0; KEPT];
-        let least = self.least(&x, &mut rough);
-        if least > LEVEL.1 + self.blur {
-            return Matrix6::zeros();
-        }
         // A row far from its bound has a vanishing multiplier and no say in the curvature.
         let curved = weights[0].abs() > 1e-9;
-        let (mut sum, mut mean, mut curvature) = (0.0, Vector6::zeros(), Matrix6::zeros());
-        for (ball, (centre, radius)) in self.balls.iter().enumerate() {
-            let p = x.act(*centre);
-            // By the position of this ball: Σ share ∇d and Σ share (∇²d − ∇d ∇dᵀ/η).
-            let (mut by_point, mut squares) = (Vector3::zeros(), Matrix3::zeros());
-            for part in self.seen(ball, p, least, &rough) {
-                let (d, g, h) = self.obstacle.derivatives(part, &p);
-                let share = d.share(least + radius);
-                sum += share;
-                by_point += g * share;
-                squares += (h - g * g.transpose() / EVENNESS) * share;
-            }
-            if by_point == Vector3::zeros() && squares == Matrix3::zeros() {
-                continue;
-            }
+        let mut sums = Sums::new();
+        for &Share { ball, part, weight } in &nearest.shares {
+            let arm = x.rotate(self.balls.all[ball as usize].0);
+            let d = (self.obstacle).derivatives(part as usize, &(arm + x.origin()));
+            let g = d.gradient * weight;
+            sums.add_gradient(&arm, &g);
             if curved {
-                let (gradient, hessian) = point_derivatives(&x, centre, &by_point, &squares);
-                mean += gradient;
-                curvature += hessian;
-            } else {
-                mean += point_gradient(&x, centre, &by_point);
+                let products = (g * (d.curb + 1.0 / EVENNESS)) * d.gradient.transpose();
+                sums.add_hessian(&arm, &g, &(d.diagonal * weight - products));
             }
         }
-        let (_, slope, bend) = level(least - EVENNESS * sum.ln());
-        mean /= sum;
-        gradients[0] = mean * slope;
-        if !curved || slope == 0.0 {
+        let gradient = sums.gradient(x.rotation());
+        gradients[0] = gradient * slope;
+        if !curved {
             return Matrix6::zeros();
         }
-        let square_of_mean = mean * mean.transpose();
-        let even = curvature / sum + square_of_mean / EVENNESS;
-        (even * slope + square_of_mean * bend) * weights[0]
+        let even = sums.hessian(x.rotation()) * slope;
+        let square = (gradient * (slope / EVENNESS + bend)) * gradient.transpose();
+        (even + square) * weights[0]
     }
 }
 

@@ -12,6 +12,7 @@ pub mod grasp;
 pub mod half_space;
 pub mod heading;
 pub mod height;
+pub mod obstacle;
 pub mod place;
 pub mod point_friction;
 pub mod pose_functions;
@@ -25,6 +26,7 @@ pub mod tilt;
 pub mod tilt_limit;
 pub mod torsion;
 
+use distance::Nearest;
 use nalgebra::{Matrix6, Vector6};
 use spatial::Pose;
 
@@ -51,6 +53,24 @@ pub trait PoseTerm: std::fmt::Debug + Send + Sync {
     ) -> Matrix6<f64> {
         self.gradients(b_from_a, gradients);
         self.hessian(b_from_a, weights)
+    }
+    /// Pairs of which [`PoseTerm::values_near`] may find every one near; none for most terms.
+    fn n_pairs(&self) -> usize {
+        0
+    }
+    /// Row values; what is found on the way is kept for [`PoseTerm::derivatives_near`] by terms that save work by it.
+    fn values_near(&self, b_from_a: &Pose, out: &mut [f64], _nearest: &mut Nearest) {
+        self.values(b_from_a, out);
+    }
+    /// Gradients and Hessian at the pose at which `nearest` was found last.
+    fn derivatives_near(
+        &self,
+        b_from_a: &Pose,
+        weights: &[f64],
+        _nearest: &Nearest,
+        gradients: &mut [Vector6<f64>],
+    ) -> Matrix6<f64> {
+        self.derivatives(b_from_a, weights, gradients)
     }
 }
 
