@@ -16,6 +16,7 @@ mod load;
 mod nearest;
 mod options;
 mod overlap;
+mod pace;
 mod parse;
 mod perturb;
 mod place;

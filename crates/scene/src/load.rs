@@ -10,7 +10,7 @@ use crate::place::{place_supported, world_pose};
 use crate::robot::{self, LoadedRobot};
 use crate::source::{At, Source};
 use crate::start::start;
-use crate::{Fault, Object, Scene, SceneError, StaticBody, options, overlap};
+use crate::{Fault, Object, Scene, SceneError, StaticBody, options, overlap, pace};
 use nalgebra::Vector3;
 use std::ops::Range;
 use std::path::Path;
@@ -112,6 +112,7 @@ fn build(source: &Source, file: &SceneFile, base_dir: &Path) -> Result<Scene, Sc
     if bare {
         draft.robot.home.copy_from_slice(&start.q[robot::BASE..]);
     }
+    let durations = pace::durations(&draft.robot, &draft.interfaces, gravity.norm());
     Ok(Scene {
         name: (*file.name).clone(),
         gravity,
@@ -125,7 +126,7 @@ fn build(source: &Source, file: &SceneFile, base_dir: &Path) -> Result<Scene, Sc
         goal_regions: goal.regions,
         objective: goal.objective,
         search: options::search(source, &file.search, base_dir)?,
-        optimiser: options::optimiser(source, &file.optimiser)?,
+        optimiser: options::optimiser(source, &file.optimiser, durations)?,
     })
 }
 

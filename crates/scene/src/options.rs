@@ -34,7 +34,7 @@ impl Default for OptimiserOptions {
         Self {
             steps: 16,
             min_duration: 0.25,
-            max_duration: 1.2,
+            max_duration: 2.0,
             torque_limits: true,
             max_iterations: 200,
         }
@@ -83,25 +83,22 @@ fn domain(source: &Source, path: &At<String>, base_dir: &Path) -> Result<DomainF
     })
 }
 
-/// `[optimiser]`.
+/// `[optimiser]`; `durations` are the shortest and longest phase [s] of a scene that gives none.
 pub(crate) fn optimiser(
     source: &Source,
     entry: &OptimiserEntry,
+    durations: (f64, f64),
 ) -> Result<OptimiserOptions, SceneError> {
     let default = OptimiserOptions::default();
     let duration = |what: &str, value: Option<&At<f64>>, otherwise: f64| match value {
         Some(value) => source.positive(what, "s", value),
         None => Ok(otherwise),
     };
-    let min_duration = duration(
-        "min_duration",
-        entry.min_duration.as_ref(),
-        default.min_duration,
-    )?;
+    let min_duration = duration("min_duration", entry.min_duration.as_ref(), durations.0)?;
     let max_duration = duration(
         "max_duration",
         entry.max_duration.as_ref(),
-        default.max_duration.max(min_duration),
+        durations.1.max(min_duration),
     )?;
     if let (true, Some(given)) = (max_duration < min_duration, &entry.max_duration) {
         let problem = format!(
