@@ -331,6 +331,9 @@ fn mass(link: &urdf_rs::Link) -> Result<f64, UrdfError> {
     }
 }
 
+/// A moment of inertia may be below zero by this part of their sum and this much [kg·m²]: published files are rounded.
+const BELOW_ZERO: (f64, f64) = (1e-3, 1e-12);
+
 fn inertia(link: &urdf_rs::Link) -> Result<Matrix3<f64>, UrdfError> {
     let i = &link.inertial.inertia;
     #[rustfmt::skip]
@@ -340,7 +343,8 @@ fn inertia(link: &urdf_rs::Link) -> Result<Matrix3<f64>, UrdfError> {
         i.ixz, i.iyz, i.izz,
     );
     let moments = [i.ixx, i.iyy, i.izz];
-    if matrix.iter().all(|x| x.is_finite()) && moments.iter().all(|x| *x >= 0.0) {
+    let least = -BELOW_ZERO.0 * matrix.trace().abs() - BELOW_ZERO.1;
+    if matrix.iter().all(|x| x.is_finite()) && moments.iter().all(|x| *x >= least) {
         Ok(matrix)
     } else {
         Err(UrdfError::Number(format!(

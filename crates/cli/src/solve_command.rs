@@ -3,7 +3,7 @@
 use crate::arguments::SolveOptions;
 use crate::failure::Failure;
 use crate::folder::Folder;
-use crate::plan_command::{Verdict, judge, load};
+use crate::plan_command::{Verdict, judge, load, tell_notes};
 use crate::progress::Progress;
 use crate::{Exit, interrupt, output, result_json, result_text};
 use locotamp::{Request, Solved, Status};
@@ -36,6 +36,7 @@ impl Finished {
 /// Solves, writes, checks and tells.
 pub(crate) fn run(options: &SolveOptions) -> Result<Exit, Failure> {
     let mut scene = load(&options.scene)?;
+    tell_notes(&scene, options.quiet);
     if options.problem.no_torque_limits {
         scene.optimiser.torque_limits = false;
     }

@@ -14,6 +14,7 @@ mod goal;
 mod interfaces;
 mod load;
 mod nearest;
+mod notes;
 mod options;
 mod overlap;
 mod pace;

@@ -236,9 +236,9 @@ pub(crate) fn unknown_name<'a>(
 }
 
 /// Collision shapes per link. Capsules are put together again, other cylinders become boxes around them; meshes are left
-/// out with a note in the model.
+/// out, with a note in the model of links that have nothing else.
 fn collision_shapes(model: &mut Model) -> Vec<Vec<PlacedShape>> {
-    let mut notes = Vec::new();
+    let mut bare = Vec::new();
     let mut per_link = Vec::new();
     for frame in &model.frames {
         let mut used = vec![false; frame.shapes.len()];
@@ -253,17 +253,21 @@ fn collision_shapes(model: &mut Model) -> Vec<Vec<PlacedShape>> {
             }
         }
         for (placed, _) in frame.shapes.iter().zip(&used).filter(|(_, used)| !**used) {
-            if let multibody::Shape::Mesh { filename, .. } = &placed.shape {
-                notes.push(format!(
-                    "link {:?}: the mesh {filename:?} is not used for collisions; add a box, sphere or capsule",
-                    frame.name
-                ));
-            }
             shapes.extend(single_shape(placed));
+        }
+        if shapes.is_empty() && !frame.shapes.is_empty() {
+            bare.push(frame.name.as_str());
         }
         per_link.push(shapes);
     }
-    model.notes.extend(notes);
+    if !bare.is_empty() {
+        let note = format!(
+            "meshes are not used for collisions, and these links have no other shape: {}; give those that can touch something \
+             boxes, spheres or capsules",
+            bare.join(", ")
+        );
+        model.notes.push(note);
+    }
     per_link
 }
 

@@ -65,7 +65,12 @@ fn capsules_are_put_together_cylinders_boxed_and_meshes_noted() {
         panic!("{:?}", shapes("arm"));
     };
     assert_eq!(half_size.as_slice(), [0.02, 0.02, 0.2]);
-    assert!(model.notes.iter().any(|note| note.contains("foot.stl")));
+    assert!(
+        model
+            .notes
+            .iter()
+            .any(|note| note.contains("no other shape: pad;"))
+    );
 }
 
 /// Writes files into a fresh folder and loads `scene.toml` from it.

@@ -156,3 +156,16 @@ fn roll_pitch_and_yaw_turn_about_the_fixed_axes_in_this_order() {
     assert!((pose.rotate(Vector3::x()) - Vector3::y()).norm() < 1e-15);
     assert_eq!(pose.origin(), Vector3::new(1.0, 2.0, 3.0));
 }
+
+#[test]
+fn moments_of_inertia_that_should_be_zero_may_be_rounded_below_it() {
+    let text = text(&["a"], &[]);
+    let with = |ixx: &str| text.replace("ixx='1'", &format!("ixx='{ixx}'"));
+    assert!(read(&with("-5e-20"), &[]).is_ok());
+    assert!(
+        read(&with("-0.1"), &[])
+            .unwrap_err()
+            .to_string()
+            .contains("moments of inertia")
+    );
+}

@@ -17,7 +17,8 @@ pub use watch::Watched;
 use crate::program::{Grid, Phase, Program};
 use crate::relative::{Body, Carrier, RelativeFrame};
 use crate::system::System;
-use crate::terms::distance::{Ball, Obstacle, Part, bounding_ball};
+use crate::terms::PoseTerm;
+use crate::terms::distance::{Ball, Distance, Obstacle, Part, bounding_ball};
 use multibody::Kinematics;
 use nalgebra::Vector3;
 use scene::{Interface, Owner, PlacedShape, Role, Scene, Shape};
@@ -27,6 +28,9 @@ use spatial::Pose;
 const LIMB: usize = 4;
 /// Distance from which on two such links of different limbs get a row [m].
 const NEAR_LIMBS: f64 = 0.35;
+
+/// By how much less than what a row says at rest is demanded of two links [m].
+const AT_REST: f64 = 0.0005;
 
 /// Half length from which on a link's box counts for the penalties: torso, thighs, shins, forearms [m].
 const LARGE_BOX: f64 = 0.07;
@@ -68,6 +72,15 @@ struct Primitive {
 /// Two bodies in contact: joint, and joint or static body.
 type Touch = (usize, Other);
 
+impl SelfPair {
+    /// Clearance that can be demanded of the pair, `wish` if it leaves the robot room: half of the distance in the home posture,
+    /// and no more than its row says at rest.
+    fn clearance(&self, wish: f64) -> f64 {
+        let half = 0.5 * (self.at_home - pairs::BLUR).max(0.0);
+        wish.min(half).min(self.row_at_rest - AT_REST)
+    }
+}
+
 impl Primitive {
     /// Pose of a joint in the primitive's frame.
     fn pose_of_joint(&self, kinematics: &Kinematics, a: usize) -> Pose {
@@ -86,6 +99,8 @@ struct SelfPair {
     a: usize,
     b: usize,
     at_home: f64,
+    /// What their row says in the home posture or at the start, the less of both [m].
+    row_at_rest: f64,
     /// Distance from which on they get a row [m].
     near: f64,
 }
@@ -174,11 +189,15 @@ impl CollisionModel {
     /// Pairs of links more than two joints apart that are clear of one another in the home posture.
     fn find_self_pairs(&self, scene: &Scene, system: &System) -> Vec<SelfPair> {
         let model = &system.model;
-        let mut home = system.start(scene);
+        let start = system.start(scene);
+        let mut home = start.clone();
         let first = model.joints[0].kind.nq();
         home[first..first + scene.robot.home.len()].copy_from_slice(&scene.robot.home);
-        let mut kinematics = Kinematics::new(model);
-        kinematics.update(model, &home);
+        let [at_home, at_start] = [&home, &start].map(|q| {
+            let mut kinematics = Kinematics::new(model);
+            kinematics.update(model, q);
+            kinematics
+        });
         let path = |j: usize| {
             let mut out = vec![j];
             while let Some(parent) = model.joints[out[out.len() - 1]].parent {
@@ -207,14 +226,16 @@ impl CollisionModel {
                 } else {
                     (b, a)
                 };
-                let at_home = self.link_distance(&kinematics, a, b);
-                if at_home > 0.0 {
+                let distance = self.link_distance(&at_home, a, b);
+                if distance > 0.0 {
                     let limbs = steps(&pa).min(steps(&pb)) >= LIMB;
                     let near = if limbs { NEAR_LIMBS } else { pairs::NEAR };
+                    let rests = [&at_home, &at_start].map(|k| self.row_of_links(k, a, b));
                     out.push(SelfPair {
                         a,
                         b,
-                        at_home,
+                        at_home: distance,
+                        row_at_rest: rests[0].min(rests[1]),
                         near,
                     });
                 }
@@ -233,6 +254,17 @@ impl CollisionModel {
             }
         }
         least
+    }
+
+    /// What the row of two links says in a configuration [m]: up to a few centimetres less than their distance where flat
+    /// faces lie opposite, since there many balls are equally near.
+    fn row_of_links(&self, kinematics: &Kinematics, a: usize, b: usize) -> f64 {
+        let b_from_a = kinematics.world_from_joint[b].inverse() * kinematics.world_from_joint[a];
+        let parts = Obstacle::Parts(self.parts[b].clone());
+        let row = Distance::new(self.balls[a].clone(), parts, Pose::identity(), 0.0);
+        let mut value = [f64::NAN];
+        row.values(&b_from_a, &mut value);
+        value[0]
     }
 
     /// The relative frame of two bodies.

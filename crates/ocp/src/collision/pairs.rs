@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::{Ball, Clearances, CollisionModel, ExtraClearance, Other, Primitive, SelfPair};
+use super::{Ball, Clearances, CollisionModel, ExtraClearance, Other, Primitive, SelfPair, Touch};
 use crate::program::{Grid, Phase, Program};
 use crate::settings::Preset;
 use crate::terms::PoseTerm;
@@ -12,6 +12,7 @@ use crate::terms::sigmoid::Sigmoid;
 use multibody::Kinematics;
 use scene::Scene;
 use spatial::Pose;
+use std::collections::BTreeSet;
 
 /// A pair of bodies nearer than this in the guide configurations gets a row [m].
 pub(super) const NEAR: f64 = 0.15;
@@ -27,6 +28,8 @@ pub(super) const BLUR: f64 = 1.4 * EVENNESS;
 const RAMP: (f64, f64) = (-0.002, 0.008);
 /// The most that is demanded at a contact [m].
 const MOST_AT_CONTACT: f64 = -0.008;
+/// Sixteenths of a phase after a body has left where it stands at the start in which what is near there may still be so.
+const FROM_START: f64 = 6.0;
 /// Slope of the sigmoid penalties of the paper preset [1/m] (the yardstick's).
 const SIGMOID_SLOPE: f64 = 40.0;
 
@@ -93,6 +96,8 @@ struct At<'a> {
     kinematics: &'a [Kinematics],
     window: &'a [&'a Kinematics],
     since: &'a dyn Fn(usize, Other) -> Option<Since>,
+    /// Sixteenths of a phase since each body, and its neighbours, stopped standing where they stand at the start.
+    from_start: &'a [f64],
 }
 
 impl At<'_> {
@@ -161,6 +166,7 @@ impl CollisionModel {
             nodes.dedup();
             nodes.into_iter().map(|i| &kinematics[i]).collect()
         };
+        let leaves = self.leaves(&touching, &along);
         let (mut out, mut shared) = (Vec::new(), Shared::default());
         for t in 0..=n {
             if program.nodes[t].var.is_none() || program.master_node(t) != t {
@@ -181,6 +187,10 @@ impl CollisionModel {
                 kinematics: &kinematics,
                 window: &window,
                 since: &since,
+                from_start: &leaves
+                    .iter()
+                    .map(|left| along[t] - left)
+                    .collect::<Vec<_>>(),
             };
             self.obstacle_pairs(program, &at, extra, &mut shared, &mut out);
             if program.settings.preset == Preset::Default {
@@ -190,6 +200,24 @@ impl CollisionModel {
             }
         }
         out
+    }
+
+    /// Sixteenths of a phase at which each body, and its neighbours, no longer touch a static body that they touch from the start
+    /// on: a foot that stands cannot get farther from what it stands beside.
+    fn leaves(&self, touching: &[BTreeSet<Touch>], along: &[f64]) -> Vec<f64> {
+        let mut stands: Vec<&Touch> = touching[0].iter().filter(|t| t.1.is_err()).collect();
+        let mut own = vec![along[0]; self.balls.len()];
+        for (there, &now) in touching.iter().zip(along) {
+            stands.retain(|&touch| there.contains(touch));
+            for &&(a, _) in &stands {
+                own[a] = now;
+            }
+        }
+        let latest = |a: usize| {
+            let beside = self.neighbours[a].iter().map(|&j| own[j]);
+            beside.fold(own[a], f64::max)
+        };
+        (0..own.len()).map(latest).collect()
     }
 
     /// Links and objects against objects and the environment.
@@ -247,7 +275,8 @@ impl CollisionModel {
     }
 
     /// Clearance demanded of a body and a primitive: growing with the distance in time from where they touch, or where the
-    /// body's neighbours in the limb do. A wrist is as near to a box as the hand that holds it makes it.
+    /// body's neighbours in the limb do: a wrist is as near to a box as the hand that holds it makes it. The same from where a
+    /// body has stood since the start, which may be nearer to something than a motion may come.
     fn clearance(
         &self,
         program: &Program,
@@ -281,11 +310,15 @@ impl CollisionModel {
             .into_iter()
             .chain(beside)
             .min_by(|x, y| x.parts.total_cmp(&y.parts));
-        nearest.map_or(full, |since| {
-            let there = self.distance_at(a, primitive, &at.kinematics[since.node]);
-            let start = (there + RAMP.0).min(MOST_AT_CONTACT);
-            full.min(start + RAMP.1 * since.parts)
-        })
+        let there = |node: usize| self.distance_at(a, primitive, &at.kinematics[node]) + RAMP.0;
+        let mut demanded = full;
+        if let Some(since) = nearest {
+            demanded = full.min(there(since.node).min(MOST_AT_CONTACT) + RAMP.1 * since.parts);
+        }
+        if at.from_start[a] < FROM_START {
+            demanded = demanded.min(there(0) + RAMP.1 * at.from_start[a].max(0.0));
+        }
+        demanded
     }
 
     /// What the row of a body and a primitive says in a configuration [m].
@@ -359,12 +392,8 @@ impl CollisionModel {
                 continue;
             }
             let clearance = match program.grid {
-                Grid::Keyframes | Grid::OpenKeyframes | Grid::State => -BLUR,
-                _ => program
-                    .settings
-                    .margins
-                    .self_clearance
-                    .min(0.5 * (pair.at_home - BLUR).max(0.0)),
+                Grid::Keyframes | Grid::OpenKeyframes | Grid::State => pair.clearance(-BLUR),
+                _ => pair.clearance(program.settings.margins.self_clearance),
             };
             out.push(Pair {
                 node: at.node,
@@ -396,5 +425,99 @@ impl CollisionModel {
         let balls = self.balls[pair.a].iter();
         let balls = balls.filter(|ball| parts.iter().any(|part| near(ball, part)));
         (balls.copied().collect(), parts)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::Planner;
+    use crate::settings::Settings;
+    use std::path::Path;
+
+    /// The G1 on the ground, beside or before something.
+    fn scene(more: &str) -> Scene {
+        let text = format!(
+            "name = \"s\"\nrobot = \"g1\"\n[[static]]\nname = \"ground\"\nplane = true\n{more}\n[objective]\nkind = \"base_height\"\n"
+        );
+        Scene::from_toml(&text, "s.toml", Path::new(".")).unwrap()
+    }
+
+    #[test]
+    fn links_that_are_near_one_another_at_the_start_may_stay_as_near() {
+        let mut scene = scene("");
+        let named = |j: &multibody::Joint| j.name == "left_shoulder_roll_joint";
+        let roll = scene
+            .robot
+            .model
+            .joints
+            .iter()
+            .find(|j| named(j))
+            .unwrap()
+            .idx_q;
+        let mut nearest = f64::INFINITY;
+        while nearest > 0.003 {
+            scene.start[roll] -= 0.01;
+            let planner = Planner::new(&scene).unwrap();
+            let model = &planner.system.model;
+            let mut kinematics = Kinematics::new(model);
+            kinematics.update(model, &planner.system.start(&scene));
+            for pair in &planner.collisions.self_pairs {
+                let row = planner.collisions.row_of_links(&kinematics, pair.a, pair.b);
+                for wish in [0.015, -BLUR] {
+                    assert!(pair.clearance(wish) < row, "{pair:?}: {row}");
+                }
+                nearest = nearest.min(row);
+            }
+        }
+    }
+
+    #[test]
+    fn a_foot_that_stands_near_a_wall_need_not_get_away_from_it() {
+        // The tip of the left sole is 12 mm before the wall, which is low enough for the other links.
+        let wall = "[[static]]\nname = \"wall\"\nsize = [0.02, 0.4, 0.03]\nposition = [0.131, 0.2, 0.015]\ntop = false";
+        let scene = scene(wall);
+        let planner = Planner::new(&scene).unwrap();
+        let standing = Phase {
+            state: scene.start_state(),
+            steps: 8,
+        };
+        let mut lifted = standing.clone();
+        let left = scene.interface_id("left_foot").unwrap();
+        lifted.state = standing.state.iter().filter(|c| c.a != left).collect();
+        let phases = [standing, lifted];
+        let start = planner.system.start(&scene);
+        let nodes = vec![start; 17];
+        let none = ExtraClearance::new();
+        let settings = Settings::new(Preset::Default, &scene.optimiser);
+        let near = || Clearances::Near {
+            nodes: &nodes,
+            extra: &none,
+        };
+        let program = planner.program(&phases, &settings, Grid::Motion, near());
+        let pairs = planner.collisions.pairs(&program, &scene, &phases, near());
+        let mut kinematics = Kinematics::new(&planner.system.model);
+        kinematics.update(&planner.system.model, &nodes[0]);
+        let (mut near_wall, mut later) = (0, 0);
+        for pair in pairs
+            .iter()
+            .filter(|p| p.b.is_none() && planner.collisions.feet[p.a])
+        {
+            let mut value = [f64::NAN];
+            pair.term
+                .values(&kinematics.world_from_joint[pair.a], &mut value);
+            let demanded = pair.term.bounds()[0].0;
+            if pair.node <= 8 {
+                near_wall += usize::from(value[0] < settings.margins.swing);
+                assert!(
+                    demanded < value[0],
+                    "node {}: {demanded} of {value:?}",
+                    pair.node
+                );
+            } else {
+                later += usize::from(demanded > value[0]);
+            }
+        }
+        assert!(near_wall > 0 && later > 0, "{near_wall} {later}");
     }
 }

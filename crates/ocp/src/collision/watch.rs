@@ -33,6 +33,8 @@ pub(super) struct Row {
     /// The pair that may touch; `None` for links of the robot.
     touch: Option<Touch>,
     term: Arc<Distance>,
+    /// What it demands [m].
+    clearance: f64,
     /// A ball around the obstacle, in the frame of b; `None` if it is unbounded.
     bound: Option<Ball>,
     /// Distance of bounding balls from which on the row cannot be violated [m].
@@ -57,10 +59,12 @@ impl CollisionModel {
                     balls,
                     (primitive.obstacle.clone(), primitive.from_body),
                     bound_of(primitive),
+                    -BLUR,
                 ));
             }
         }
-        for &SelfPair { a, b, .. } in &self.self_pairs {
+        for pair in &self.self_pairs {
+            let &SelfPair { a, b, .. } = pair;
             let parts = Obstacle::Parts(self.parts[b].clone());
             out.push(row(
                 (a, Some(b)),
@@ -68,6 +72,7 @@ impl CollisionModel {
                 &self.balls[a],
                 (parts, Pose::identity()),
                 Some(self.bounds[b]),
+                pair.clearance(-BLUR),
             ));
         }
         out
@@ -149,7 +154,7 @@ impl CollisionModel {
                 }
                 let distance = self.distance(row, &kinematics, near);
                 if distance < near - BLUR {
-                    is_new |= watched.insert((t, index)) && distance < -VIOLATED - BLUR;
+                    is_new |= watched.insert((t, index)) && distance < row.clearance - VIOLATED;
                 }
             }
         }
@@ -201,6 +206,7 @@ fn row(
     balls: &[Ball],
     (obstacle, obstacle_from_b): (Obstacle, Pose),
     bound: Option<Ball>,
+    clearance: f64,
 ) -> Row {
     let pairs = match &obstacle {
         Obstacle::Parts(parts) => balls.len() * parts.len(),
@@ -214,8 +220,9 @@ fn row(
             balls.to_vec(),
             obstacle,
             obstacle_from_b,
-            -BLUR,
+            clearance,
         )),
+        clearance,
         bound,
         blur: EVENNESS * (pairs as f64).ln(),
     }

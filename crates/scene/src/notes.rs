@@ -1,0 +1,103 @@
+//! What a user should know of a scene that is no error.
+
+use crate::{Owner, Role, Scene};
+use multibody::{Centroidal, Kinematics};
+use nalgebra::{Vector2, Vector3};
+
+/// How far the centre of mass must be outside the soles to be told [m].
+const LEAST: f64 = 1e-3;
+
+impl Scene {
+    /// What is unusual or left out: of the robot's description, and whether the robot can stand as it starts.
+    pub fn notes(&self) -> Vec<String> {
+        let mut notes = self.robot.model.notes.clone();
+        if let Some(beyond) = self.beyond_soles().filter(|beyond| *beyond > LEAST) {
+            notes.push(format!(
+                "at the start the centre of mass is {:.0} mm outside the soles: the robot cannot stand like that, only fall or \
+                 step; [home] of the robot file or start.joints of the scene change it",
+                1e3 * beyond
+            ));
+        }
+        notes
+    }
+
+    /// Horizontal distance of the robot's centre of mass from the soles that bear it at the start, negative inside [m]; `None`
+    /// if something else bears it too, or gravity is not along −z.
+    fn beyond_soles(&self) -> Option<f64> {
+        let model = &self.robot.model;
+        let falls = self.gravity.xy().norm() < 1e-9 && self.gravity.z < 0.0;
+        let mut kinematics = Kinematics::new(model);
+        kinematics.update(model, &self.start);
+        let mut corners = Vec::new();
+        for contact in &self.start_contacts {
+            let interface = &self.interfaces[contact.a.0];
+            let Owner::Robot { frame } = interface.owner else {
+                continue;
+            };
+            if interface.role != Role::Foot {
+                return None;
+            }
+            let [x, y] = interface.half_size.unwrap_or([0.0; 2]);
+            let world_from_foot =
+                kinematics.frame_pose(model, frame) * interface.body_from_interface;
+            for (i, j) in [(-x, -y), (-x, y), (x, y), (x, -y)] {
+                corners.push(world_from_foot.act(Vector3::new(i, j, 0.0)).xy());
+            }
+        }
+        let mut centroidal = Centroidal::new(model);
+        centroidal.compute(model, &kinematics);
+        (falls && !corners.is_empty()).then(|| outside(&corners, centroidal.com().xy()))
+    }
+}
+
+/// Distance of a point from the convex hull of others; negative inside, as far as the nearest edge.
+fn outside(corners: &[Vector2<f64>], point: Vector2<f64>) -> f64 {
+    // A point is as far outside as it is beyond the farthest of the corners in some direction.
+    (0..360)
+        .map(|degree| {
+            let (y, x) = f64::from(degree).to_radians().sin_cos();
+            let along = Vector2::new(x, y);
+            let most = corners.iter().map(|c| along.dot(c));
+            along.dot(&point) - most.fold(f64::NEG_INFINITY, f64::max)
+        })
+        .fold(f64::NEG_INFINITY, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_is_outside_a_square_by_its_distance_from_the_edge_or_the_corner() {
+        let square =
+            [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|(x, y)| Vector2::new(x, y));
+        let beyond = |x, y| outside(&square, Vector2::new(x, y));
+        assert!((beyond(0.5, 0.5) + 0.5).abs() < 1e-9);
+        assert!((beyond(0.5, 1.2) - 0.2).abs() < 1e-9);
+        assert!((beyond(1.3, 1.3) - 0.3 * 2f64.sqrt()).abs() < 1e-4);
+    }
+
+    #[test]
+    fn a_start_that_leans_too_far_is_told_and_the_built_in_robot_at_home_is_not() {
+        let text = |joints: &str| {
+            format!(
+                "name = \"s\"\nrobot = \"g1\"\n[start]\njoints = {{ {joints} }}\n[[static]]\nname = \"ground\"\n\
+                 plane = true\n[objective]\nkind = \"base_height\"\n"
+            )
+        };
+        let notes = |joints: &str| {
+            let path = std::path::Path::new(".");
+            Scene::from_toml(&text(joints), "s.toml", path)
+                .unwrap()
+                .notes()
+        };
+        assert_eq!(notes(""), Vec::<String>::new());
+        let legs =
+            |side: &str| format!("{side}_hip_pitch_joint = 0.06, {side}_ankle_pitch_joint = -0.56");
+        let leaning = notes(&format!("{}, {}", legs("left"), legs("right")));
+        assert!(
+            leaning.len() == 1 && leaning[0].contains("outside the soles"),
+            "{leaning:?}"
+        );
+    }
+}
