@@ -185,26 +185,11 @@ impl<'a> Planner<'a> {
         let none = ExtraClearance::new();
         let program = self.program(phases, settings, Grid::Motion, near(&point.nodes, &none));
         let mut trajectory = Trajectory::new(program);
-        let data = evaluate(&mut trajectory, &point);
-        let structure = trajectory.structure();
-        let rows: Vec<f64> = data.iter().flat_map(|d| d.values.iter().copied()).collect();
-        let violation = largest_violation(&data, structure);
-        let report = Report {
-            status: Status::Solved,
-            iterations: 0,
-            objective: data.iter().map(|d| d.objective).sum(),
-            violation,
-            dual: 0.0,
-            multipliers: vec![0.0; rows.len()],
-            bound_multipliers: vec![0.0; structure.n_vars],
-            rows,
-            factorisations: 0,
-            timing: Timing::default(),
-        };
+        let report = report_at(&mut trajectory, &point);
         Motion {
             worst: worst_row(&trajectory.program, &report, NEW_TOLERANCE),
             hardest: None,
-            feasible: violation <= NEW_TOLERANCE,
+            feasible: report.violation <= NEW_TOLERANCE,
             trajectory,
             point,
             report,
@@ -271,7 +256,15 @@ impl<'a> Planner<'a> {
                     continue;
                 }
             }
+            // Nobody has asked yet about what came near in the last round.
+            let missed = if solved {
+                self.missed(phases, settings, &point)
+            } else {
+                None
+            };
+            let solved = solved && missed.is_none();
             let worst = worst_row(&trajectory.program, &report, 1e-7).filter(|_| !solved);
+            let worst = missed.or(worst);
             let hardest = hardest_limit(&trajectory.program, &report).filter(|_| !solved);
             return Motion {
                 hardest,
@@ -286,6 +279,15 @@ impl<'a> Planner<'a> {
             };
         }
         unreachable!("the loop returns in its last round")
+    }
+
+    /// The most violated clearance of all that is near at the nodes; `None` if all hold.
+    fn missed(&self, phases: &[Phase], settings: &Settings, point: &Point) -> Option<Worst> {
+        let none = ExtraClearance::new();
+        let program = self.program(phases, settings, Grid::Motion, near(&point.nodes, &none));
+        let mut trajectory = Trajectory::new(program);
+        let report = report_at(&mut trajectory, point);
+        worst_row(&trajectory.program, &report, NEW_TOLERANCE)
     }
 
     /// Raises the clearance at both ends of intervals that collide half-way; true if there is one.
@@ -337,6 +339,25 @@ pub(crate) fn violates_new_rows(program: &Program, point: &Point) -> bool {
     let mut trajectory = Trajectory::new(program.clone());
     let data = evaluate(&mut trajectory, point);
     largest_violation(&data, trajectory.structure()) > NEW_TOLERANCE
+}
+
+/// What a solver would report of a point that it leaves as it is: no multipliers.
+fn report_at(trajectory: &mut Trajectory, point: &Point) -> Report {
+    let data = evaluate(trajectory, point);
+    let structure = trajectory.structure();
+    let rows: Vec<f64> = data.iter().flat_map(|d| d.values.iter().copied()).collect();
+    Report {
+        status: Status::Solved,
+        iterations: 0,
+        objective: data.iter().map(|d| d.objective).sum(),
+        violation: largest_violation(&data, structure),
+        dual: 0.0,
+        multipliers: vec![0.0; rows.len()],
+        bound_multipliers: vec![0.0; structure.n_vars],
+        rows,
+        factorisations: 0,
+        timing: Timing::default(),
+    }
 }
 
 /// Values of all elements at a point.

@@ -6,6 +6,7 @@
 
 mod cover;
 mod pairs;
+mod shared;
 mod watch;
 
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,18 +1,18 @@
 //! Which pairs of bodies get rows (or a penalty) at which node, and with which balls.
 
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
+use super::shared::Shared;
 use super::{Ball, Clearances, CollisionModel, ExtraClearance, Other, Primitive, SelfPair, Touch};
 use crate::program::{Grid, Phase, Program};
 use crate::settings::Preset;
 use crate::terms::PoseTerm;
-use crate::terms::distance::{Balls, Distance, EVENNESS, Obstacle, Part};
+use crate::terms::distance::{Distance, EVENNESS, Obstacle, Part};
 use crate::terms::sigmoid::Sigmoid;
 use multibody::Kinematics;
 use scene::Scene;
 use spatial::Pose;
-use std::collections::BTreeSet;
 
 /// A pair of bodies nearer than this in the guide configurations gets a row [m].
 pub(super) const NEAR: f64 = 0.15;
@@ -44,41 +44,6 @@ pub struct Pair {
     pub b: Option<usize>,
     /// Rows.
     pub term: Arc<dyn PoseTerm>,
-}
-
-/// The last balls and obstacles of each pair of bodies, found again while they stay the same from node to node.
-#[derive(Default)]
-struct Shared {
-    balls: Last<Balls>,
-    obstacles: Last<Obstacle>,
-}
-
-/// By index of the pair: body and primitive, or pair of links and nothing.
-type Last<T> = BTreeMap<(usize, Option<usize>), Arc<T>>;
-
-impl Shared {
-    fn row(
-        &mut self,
-        pair: (usize, Option<usize>),
-        (balls, obstacle): (Vec<Ball>, Obstacle),
-        obstacle_from_b: Pose,
-        clearance: f64,
-    ) -> Distance {
-        let balls = share(&mut self.balls, pair, Balls::new(balls));
-        let obstacle = share(&mut self.obstacles, pair, obstacle);
-        Distance::sharing(balls, obstacle, obstacle_from_b, clearance)
-    }
-}
-
-fn share<T: PartialEq>(last: &mut Last<T>, pair: (usize, Option<usize>), new: T) -> Arc<T> {
-    match last.get(&pair) {
-        Some(same) if **same == new => same.clone(),
-        _ => {
-            let new = Arc::new(new);
-            last.insert(pair, new.clone());
-            new
-        }
-    }
 }
 
 /// The nearest contact of a pair in time.
