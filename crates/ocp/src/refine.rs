@@ -29,8 +29,11 @@ impl Default for Refinement {
     }
 }
 
-/// Share by which a phase may grow on the finer grid.
+/// Factor by which a phase may grow on the finer grid, and the same for one that is as long as its intervals may be.
 const ROOM: f64 = 1.1;
+const MORE_ROOM: f64 = 1.7;
+/// Share of what its intervals allow from which on a phase is kept short by them.
+const KEPT_SHORT: f64 = 0.95;
 
 impl Planner<'_> {
     /// The same contacts and nearly the same motion on a finer grid.
@@ -50,9 +53,14 @@ impl Planner<'_> {
         let finer: Vec<Phase> = phases
             .iter()
             .zip(durations.iter().zip(&program.steps))
-            .map(|(phase, (duration, &steps))| Phase {
-                state: phase.state.clone(),
-                steps: steps.max((ROOM * duration / refinement.max_step).ceil() as usize),
+            .map(|(phase, (&duration, &steps))| {
+                let short = duration > KEPT_SHORT * program.settings.max_step * steps as f64;
+                let room = if short { MORE_ROOM } else { ROOM };
+                let longest = (room * duration).min(settings.max_duration.max(duration));
+                Phase {
+                    state: phase.state.clone(),
+                    steps: steps.max((longest / refinement.max_step).ceil() as usize),
+                }
             })
             .collect();
         let mut times = vec![0.0];

@@ -159,7 +159,7 @@ pub struct Settings {
     pub preset: Preset,
     /// How states follow from one another; the preset `paper` has explicit Euler only.
     pub integrator: Integrator,
-    /// Longest interval [s]; ∞: bounded by the phases only.
+    /// Longest interval [s], which bounds the phases too; ∞: bounded by the phases only.
     pub max_step: f64,
     /// Shortest phase [s].
     pub min_duration: f64,
@@ -179,6 +179,9 @@ pub struct Settings {
     pub barrier: f64,
 }
 
+/// Longest interval of a coarse motion of the preset `default` [s]: what explicit Euler does with longer ones is no motion of a
+/// robot. Refinement lets phases grow that this keeps short.
+const LONGEST_STEP: f64 = 0.15;
 /// Barrier parameter of the preset `default`.
 const BARRIER: f64 = 3e-4;
 
@@ -188,7 +191,11 @@ impl Settings {
         Self {
             preset,
             integrator: Integrator::Euler,
-            max_step: f64::INFINITY,
+            max_step: if preset == Preset::Default {
+                LONGEST_STEP
+            } else {
+                f64::INFINITY
+            },
             min_duration: options.min_duration,
             max_duration: options.max_duration,
             torque_limits: options.torque_limits,

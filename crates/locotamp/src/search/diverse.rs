@@ -17,6 +17,8 @@ pub(super) struct Kept {
     /// Intervals per phase.
     pub steps: Vec<usize>,
     pub sequence: Sequence,
+    /// Time of the optimiser [s].
+    pub seconds: f64,
 }
 
 /// The cheapest plans with different loaded contacts, at most so many, the cheapest first.

@@ -35,8 +35,12 @@ use workers::{Evaluated, Shop, Workers};
 
 /// Sequences that are under evaluation at once. Part of what decides which sequence comes next, hence no option.
 const IN_FLIGHT: usize = 4;
-/// Share of the time limit that the search may use once there is a plan; the rest is for refining it.
+/// Largest share of the time limit that the search may use once there is a plan; the rest is for refining it.
 const SEARCH_SHARE: f64 = 0.7;
+/// Time that refining a plan is expected to take, in that of its motion and per interval: a fourth to one for the climb.
+const REFINING: f64 = 0.5;
+/// Largest share of the time limit that is kept for refining.
+const MOST_REFINING: f64 = 0.6;
 
 /// Finds contacts and motion for a scene.
 ///
@@ -252,12 +256,18 @@ impl Run<'_> {
         }
     }
 
-    /// When the search ends, in seconds from its begin: in time to refine a plan, if there is one.
+    /// When the search ends, in seconds from its begin: in time to refine the best plan, if there is one.
     fn deadline(&self) -> f64 {
-        let refines = self.diverse.best().is_some()
-            && self.request.refinement.is_some()
-            && self.request.preset == Preset::Default;
-        self.request.time_limit * if refines { SEARCH_SHARE } else { 1.0 }
+        let limit = self.request.time_limit;
+        let refinement = self.request.refinement;
+        let refinement = refinement.filter(|_| self.request.preset == Preset::Default);
+        let (Some(best), Some(refinement)) = (self.diverse.best(), refinement) else {
+            return limit;
+        };
+        let intervals = best.alternative.duration / refinement.max_step;
+        let finer = intervals / best.steps.iter().sum::<usize>().max(1) as f64;
+        let needs = REFINING * finer * best.seconds;
+        limit - needs.clamp((1.0 - SEARCH_SHARE) * limit, MOST_REFINING * limit)
     }
 
     fn exhausted(&self) -> String {

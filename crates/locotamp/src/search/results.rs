@@ -123,6 +123,7 @@ impl Run<'_> {
             point,
             steps: done.steps,
             sequence,
+            seconds: done.seconds,
         });
     }
 
