@@ -28,7 +28,7 @@ fn interfaces_contacts_limits_rules_and_skeletons_are_shown() {
         "object on object: none",
         "phases (K_max)                 13  from the scene",
         "skeleton actions (N_PDDL)       8  from the scene",
-        "duration of a phase        0.25 to 1.2 s",
+        "duration of a phase        0.25 to 2 s",
         "along skeletons from the start",
         "4 skeletons of at most 8 actions",
         "grasp red_box with left_hand, lift red_box, place red_box on table_b_top, release red_box",

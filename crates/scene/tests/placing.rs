@@ -181,6 +181,6 @@ fn options_default_and_are_overridden() {
     );
     assert_eq!(scene.optimiser.steps, 8);
     assert_eq!(scene.optimiser.min_duration, 0.3);
-    assert_eq!(scene.optimiser.max_duration, 1.2);
+    assert_eq!(scene.optimiser.max_duration, 2.0);
     assert!(scene.optimiser.torque_limits && !scene.search.support_hands);
 }
