@@ -2,3 +2,4 @@
 
 mod explanations;
 mod searching;
+mod solving;
