@@ -357,6 +357,7 @@ impl<'a> Ask<'a> {
             dual_tolerance: optimality,
             complementarity_tolerance: optimality,
             min_barrier: 1e-6,
+            keeps_filter: true, // without it a beginning of `climb/carry` ends in a local minimum
             ..swift
         }
     }

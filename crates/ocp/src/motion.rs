@@ -19,6 +19,8 @@ const REPAIRS: usize = 4;
 const BETWEEN_TOLERANCE: f64 = 0.002;
 /// Violation of a clearance that had no row which is tolerated [m]: a small part of every margin.
 const NEW_TOLERANCE: f64 = 1e-3;
+/// The same after the last round [m]: less than half of every margin, which a finer grid regains.
+const MISSED_TOLERANCE: f64 = 1e-2;
 /// Barrier parameter and relaxation with which a repair starts from the last solution.
 const REPAIR_BARRIER: f64 = 1e-3;
 const REPAIR_PUSH: f64 = 1e-4;
@@ -281,13 +283,13 @@ impl<'a> Planner<'a> {
         unreachable!("the loop returns in its last round")
     }
 
-    /// The most violated clearance of all that is near at the nodes; `None` if all hold.
+    /// The most violated clearance of all that is near at the nodes; `None` if all nearly hold.
     fn missed(&self, phases: &[Phase], settings: &Settings, point: &Point) -> Option<Worst> {
         let none = ExtraClearance::new();
         let program = self.program(phases, settings, Grid::Motion, near(&point.nodes, &none));
         let mut trajectory = Trajectory::new(program);
         let report = report_at(&mut trajectory, point);
-        worst_row(&trajectory.program, &report, NEW_TOLERANCE)
+        worst_row(&trajectory.program, &report, MISSED_TOLERANCE)
     }
 
     /// Raises the clearance at both ends of intervals that collide half-way; true if there is one.

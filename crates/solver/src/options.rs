@@ -25,6 +25,8 @@ pub struct Options {
     pub first_damping: f64,
     /// Share of the distance by which relaxed bounds of violated rows move to their true place per iteration.
     pub tightening: f64,
+    /// Does the filter stay when relaxed bounds move, and not only while the barrier parameter stays.
+    pub keeps_filter: bool,
     /// Wall time limit [s].
     pub time_limit: f64,
     /// Stop when this many iterations made short steps and hardly lowered the least violation; 0: never.
@@ -45,6 +47,7 @@ impl Default for Options {
             bound_push: 1e-2,
             first_damping: 0.25,
             tightening: 0.25,
+            keeps_filter: false,
             time_limit: f64::INFINITY,
             stall_iterations: 10,
         }

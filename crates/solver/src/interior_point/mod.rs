@@ -167,8 +167,7 @@ impl<P: Problem> InteriorPoint<P> {
                     state.step_multipliers(&self.scratch.step, search.alpha_dual);
                     best.advance(x, &mut trial_x);
                     problem.coordinates(x, &mut state.vars.value);
-                    let step = &self.scratch.step;
-                    state.step_rows(step, alpha, search.trials, errors.violation);
+                    state.step_rows(&self.scratch.step, alpha, errors.violation);
                     alpha
                 }
                 None if state.shift_more(shift) => 0.0,

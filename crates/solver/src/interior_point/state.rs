@@ -15,8 +15,6 @@ const CLOSE: f64 = 1e-3;
 const MIN_DAMPING: f64 = 0.1;
 /// Violation below which steps ask for all of it.
 const FULL_STEP: f64 = 1e-3;
-/// Trial points of a search up to which the filter is not in the way.
-const FEW_TRIALS: usize = 2;
 /// Forced shift after which no step is hoped for.
 const MAX_FORCED_SHIFT: f64 = 1e6;
 
@@ -182,17 +180,16 @@ impl State {
         self.slacks.step_multipliers(&step.ds, self.mu, alpha_dual);
     }
 
-    /// Moves slacks and row multipliers along a step that a search accepted, from a point with this violation; the variables
-    /// have moved.
-    pub fn step_rows(&mut self, step: &Direction, alpha: f64, trials: usize, violation: f64) {
+    /// Moves slacks and row multipliers along an accepted step from a point with this violation; the variables have moved.
+    pub fn step_rows(&mut self, step: &Direction, alpha: f64, violation: f64) {
         for i in 0..self.y.len() {
             self.slacks.value[i] += alpha * step.ds[i];
             self.y[i] += alpha * step.dy[i];
         }
         for i in 0..self.y.len() {
             let moves = !self.equality[i] && self.tighten(i);
-            // The filter belongs to a problem with other bounds; it stays as long as it does not stand in the way.
-            self.needs_reset |= moves && trials > FEW_TRIALS;
+            // The filter belongs to a problem with other bounds.
+            self.needs_reset |= moves && !self.options.keeps_filter;
         }
         self.vars.safeguard(self.mu);
         self.slacks.safeguard(self.mu);
