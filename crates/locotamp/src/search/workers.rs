@@ -15,6 +15,8 @@ use std::time::Instant;
 /// Longest step of the grid on which a motion must hold to be a plan [s]: with a few long steps per phase a robot may seem to do
 /// what no robot can.
 const HOLDS: f64 = 0.06;
+/// Violation (scaled rows) up to which a motion without a solution on the coarse grid gets its chance on that one.
+const NEARLY: f64 = 1e-3;
 /// Most iterations for that, in each round.
 const HOLDS_ITERATIONS: usize = 100;
 
@@ -180,7 +182,7 @@ impl Shop<'_> {
             }
         };
         let relative = motion.feasible.then(|| Arc::new(motion.relative()));
-        let refines = motion.feasible && self.holds;
+        let refines = self.holds && (motion.feasible || motion.report.violation <= NEARLY);
         if refines {
             motion = self.finer(phases, &motion, &mut watch);
         }
