@@ -9,7 +9,7 @@ use std::path::Path;
 #[cfg_attr(debug_assertions, ignore = "slow without optimisation")]
 fn a_long_sequence_has_keyframes_beginning_by_beginning() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/sequences");
-    let file = SequenceFile::load(&folder.join("climb/carry_and_climb.toml")).expect("a file");
+    let file = SequenceFile::load(folder.join("climb/carry_and_climb.toml")).expect("a file");
     let scene = file.load_scene().expect("its scene");
     let sequence = file.resolve(&scene).expect("a sequence of the scene");
     let request = Request {
