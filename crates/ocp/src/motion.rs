@@ -21,8 +21,6 @@ const BETWEEN_TOLERANCE: f64 = 0.002;
 const NEW_TOLERANCE: f64 = 1e-3;
 /// The same after the last round [m]: less than half of every margin, which a finer grid regains.
 const MISSED_TOLERANCE: f64 = 1e-2;
-/// Longest interval from which on a grid is coarse [s].
-const COARSE: f64 = 0.1;
 /// Barrier parameter and relaxation with which a repair starts from the last solution.
 const REPAIR_BARRIER: f64 = 1e-3;
 const REPAIR_PUSH: f64 = 1e-4;
@@ -215,8 +213,6 @@ impl<'a> Planner<'a> {
         let settings = &program.settings.clone();
         let mut extra = ExtraClearance::new();
         let (mut iterations, mut seconds, mut timing) = (0, 0.0, Timing::default());
-        // On a coarse grid: the last solution that collides between its nodes only, which a finer one keeps it from.
-        let mut clear_at_nodes = None;
         for round in 0.. {
             let mut trajectory = Trajectory::new(program);
             let structure = trajectory.structure().clone();
@@ -259,11 +255,6 @@ impl<'a> Planner<'a> {
                     first = First::after(&trajectory.program, &report, &again);
                     first.max_iterations = most;
                     program = again;
-                    if settings.max_step >= COARSE
-                        && self.missed(phases, settings, &point).is_none()
-                    {
-                        clear_at_nodes = Some((trajectory, point.clone(), report));
-                    }
                     continue;
                 }
             }
@@ -274,19 +265,6 @@ impl<'a> Planner<'a> {
                 None
             };
             let solved = solved && missed.is_none();
-            if !solved && let Some((trajectory, point, report)) = clear_at_nodes {
-                return Motion {
-                    hardest: None,
-                    trajectory,
-                    point,
-                    report,
-                    iterations,
-                    seconds,
-                    timing,
-                    feasible: true,
-                    worst: None,
-                };
-            }
             let worst = worst_row(&trajectory.program, &report, 1e-7).filter(|_| !solved);
             let worst = missed.or(worst);
             let hardest = hardest_limit(&trajectory.program, &report).filter(|_| !solved);
