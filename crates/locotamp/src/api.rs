@@ -85,6 +85,13 @@ pub struct Request {
     pub explain: bool,
 }
 
+impl Request {
+    /// How a motion is refined, if it is: the paper's problem has no finer grid.
+    pub(crate) fn refines(&self) -> Option<Refinement> {
+        self.refinement.filter(|_| self.preset == Preset::Default)
+    }
+}
+
 impl Default for Request {
     fn default() -> Self {
         Self {

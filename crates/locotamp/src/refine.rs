@@ -1,14 +1,23 @@
-//! The motion that a robot executes: the optimiser's coarse solution again on a finer grid.
+//! The motion that a robot executes: the optimiser's coarse solution again on finer grids.
 
 use std::time::Instant;
 
 use crate::api::{Event, Request};
-use ocp::{Motion, Phase, Planner, Preset, Refinement, Settings};
-use solver::Iteration;
+use ocp::{Motion, Phase, Planner, Refinement, Settings};
+use solver::{Iteration, Status};
 
 /// Longest step of the grid between the coarse and the finer one, in steps of the finer one: objects and hands move along
 /// different curves between nodes, so a grid seven times as fine begins with collisions.
 const MIDDLE: f64 = 3.0;
+
+/// Longest step of the grid on which a motion must hold to be a plan [s]: with a few long steps per phase a robot may seem to do
+/// what no robot can.
+const HOLDS: f64 = 0.06;
+/// Violation (scaled rows) up to which a motion without a solution on the coarse grid gets its chance on that one: what it
+/// misses is far less than what finer grids change.
+const NEARLY_SOLVED: f64 = 1e-3;
+/// Most iterations for that, in each round.
+const HOLDS_ITERATIONS: usize = 100;
 
 /// Share by which the coarse grid may be longer than that and still count as one between: phases grow a little.
 const NEARLY: f64 = 1.2;
@@ -31,6 +40,39 @@ pub enum Refined {
     Failed(String),
 }
 
+/// True if a coarse motion is a solution or so near to one that a finer grid may have one.
+pub(crate) fn may_hold(coarse: &Motion) -> bool {
+    let interrupted = coarse.report.status == Status::Interrupted;
+    coarse.feasible || (!interrupted && coarse.report.violation <= NEARLY_SOLVED)
+}
+
+/// A coarse motion on the grid on which it must hold to be a plan; iterations and seconds are those of both.
+pub(crate) fn hold(
+    planner: &Planner<'_>,
+    phases: &[Phase],
+    settings: &Settings,
+    coarse: &Motion,
+    watch: &mut dyn FnMut(&Iteration) -> bool,
+) -> Motion {
+    let settings = Settings {
+        max_iterations: settings.max_iterations.min(HOLDS_ITERATIONS),
+        ..settings.clone()
+    };
+    let grid = Refinement {
+        max_step: HOLDS,
+        integrator: settings.integrator,
+    };
+    let mut fine = planner.refine(phases, &settings, coarse, grid, watch);
+    fine.iterations += coarse.iterations;
+    fine.seconds += coarse.seconds;
+    fine
+}
+
+/// Why a motion does not hold on that grid.
+pub(crate) fn on_finer_grid(reason: String) -> String {
+    format!("on a grid of {:.0} ms: {reason}", 1e3 * HOLDS)
+}
+
 /// Refines a feasible motion if the request wants it, within the time limit that began at `begin`; without success the
 /// coarse one is returned.
 pub(crate) fn refine(
@@ -41,10 +83,7 @@ pub(crate) fn refine(
     (request, begin): (&Request, Instant),
     observe: &mut dyn FnMut(&Event) -> bool,
 ) -> (Motion, Refined) {
-    let wanted = request
-        .refinement
-        .filter(|_| coarse.feasible && settings.preset == Preset::Default);
-    let Some(refinement) = wanted else {
+    let Some(refinement) = request.refines().filter(|_| coarse.feasible) else {
         return (coarse, Refined::No);
     };
     let coarse_intervals = coarse.trajectory.program.n_intervals();

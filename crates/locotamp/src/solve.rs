@@ -10,7 +10,7 @@ use crate::{domain, export, refine, search, summary};
 use ocp::{Keyframes, Motion, Phase, Planner, Settings};
 use plan::Explanation;
 use scene::{Scene, Sequence};
-use solver::{Status, Timing};
+use solver::{Iteration, Status, Timing};
 use symbolic::Action;
 
 /// The number that events of [`solve`] carry: there is one sequence.
@@ -121,7 +121,7 @@ pub fn solve(
     };
     if keyframes.possible && !stopped {
         let mut late = false;
-        let motion = planner.motion(&phases, &settings, &keyframes.nodes, &mut |i| {
+        let mut watch = |i: &Iteration| {
             stopped |= !observe(&Event::Iteration {
                 number: NUMBER,
                 iteration: i.number,
@@ -130,7 +130,12 @@ pub fn solve(
             });
             late = begin.elapsed().as_secs_f64() > request.time_limit;
             !stopped && !late
-        });
+        };
+        let mut motion = planner.motion(&phases, &settings, &keyframes.nodes, &mut watch);
+        if request.refines().is_some() && !motion.feasible && refine::may_hold(&motion) {
+            let fine = refine::hold(&planner, &phases, &settings, &motion, &mut watch);
+            motion = if fine.feasible { fine } else { motion };
+        }
         let ended = match (stopped, late) {
             (true, _) => Some("stopped by the caller".to_owned()),
             (_, true) => Some(format!("time limit of {} s", request.time_limit)),

@@ -8,7 +8,7 @@ use crate::guess::Curve;
 use crate::motion::{First, Motion, Planner, near};
 use crate::point::Point;
 use crate::program::{Grid, Phase};
-use crate::settings::{Integrator, Settings};
+use crate::settings::{Integrator, Settings, Weights};
 use solver::Iteration;
 
 /// What the finer grid is like.
@@ -34,6 +34,11 @@ const ROOM: f64 = 1.1;
 const MORE_ROOM: f64 = 1.7;
 /// Share of what its intervals allow from which on a phase is kept short by them.
 const KEPT_SHORT: f64 = 0.95;
+
+/// Weight of the accelerations on the finer grid in that of the coarse one: coarse intervals spread every change of speed over a
+/// tenth of a second or more, finer ones must be asked to. With the weight of the velocities as it is, speeds change within
+/// √(10 · 10⁻³ / 0.05) = 0.45 s.
+const SMOOTHER: f64 = 10.0;
 
 impl Planner<'_> {
     /// The same contacts and nearly the same motion on a finer grid.
@@ -94,6 +99,10 @@ impl Planner<'_> {
         let settings = Settings {
             integrator: refinement.integrator,
             max_step: refinement.max_step,
+            weights: Weights {
+                acceleration: SMOOTHER * settings.weights.acceleration,
+                ..settings.weights.clone()
+            },
             ..settings.clone()
         };
         let none = ExtraClearance::new();

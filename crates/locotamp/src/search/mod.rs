@@ -93,7 +93,7 @@ pub fn plan(
     let shop = Shop {
         planner: &planner,
         settings: &settings,
-        holds: request.refinement.is_some() && request.preset == Preset::Default,
+        holds: request.refines().is_some(),
         stop: &stop,
         begin,
         time_limit: request.time_limit,
@@ -259,8 +259,7 @@ impl Run<'_> {
     /// When the search ends, in seconds from its begin: in time to refine the best plan, if there is one.
     fn deadline(&self) -> f64 {
         let limit = self.request.time_limit;
-        let refinement = self.request.refinement;
-        let refinement = refinement.filter(|_| self.request.preset == Preset::Default);
+        let refinement = self.request.refines();
         let (Some(best), Some(refinement)) = (self.diverse.best(), refinement) else {
             return limit;
         };

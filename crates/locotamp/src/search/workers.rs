@@ -2,8 +2,9 @@
 
 use crate::api::Event;
 use crate::journal::{PointEntry, Tried};
+use crate::refine::{hold, may_hold, on_finer_grid};
 use crate::{export, summary};
-use ocp::{Motion, Phase, Planner, Point, Refinement, Relative, Settings};
+use ocp::{Motion, Phase, Planner, Point, Relative, Settings};
 use plan::Plan;
 use solver::Iteration;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,14 +12,6 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex};
 use std::thread::{self, Scope};
 use std::time::Instant;
-
-/// Longest step of the grid on which a motion must hold to be a plan [s]: with a few long steps per phase a robot may seem to do
-/// what no robot can.
-const HOLDS: f64 = 0.06;
-/// Violation (scaled rows) up to which a motion without a solution on the coarse grid gets its chance on that one.
-const NEARLY: f64 = 1e-3;
-/// Most iterations for that, in each round.
-const HOLDS_ITERATIONS: usize = 100;
 
 /// A sequence whose keyframes exist.
 pub(super) struct Job {
@@ -101,7 +94,7 @@ pub(super) fn with_steps(phases: &[Phase], steps: &[usize]) -> Vec<Phase> {
 pub(super) struct Shop<'a> {
     pub planner: &'a Planner<'a>,
     pub settings: &'a Settings,
-    /// Must motions hold on a finer grid ([`HOLDS`]) to count.
+    /// Must motions hold on a finer grid ([`hold`]) to count.
     pub holds: bool,
     /// Set to make all motions end at their next iteration.
     pub stop: &'a AtomicBool,
@@ -182,37 +175,15 @@ impl Shop<'_> {
             }
         };
         let relative = motion.feasible.then(|| Arc::new(motion.relative()));
-        let refines = self.holds && (motion.feasible || motion.report.violation <= NEARLY);
+        let refines = self.holds && may_hold(&motion);
         if refines {
-            motion = self.finer(phases, &motion, &mut watch);
+            motion = hold(planner, phases, settings, &motion, &mut watch);
         }
         let mut done = self.report(&job.labels, &mut motion, relative);
         if refines {
-            let finer = |reason| format!("on a grid of {:.0} ms: {reason}", 1e3 * HOLDS);
-            done.reason = done.reason.map(finer);
+            done.reason = done.reason.map(on_finer_grid);
         }
         done
-    }
-
-    /// The motion on a grid fine enough that little can go wrong between its nodes.
-    fn finer(
-        self,
-        phases: &[Phase],
-        coarse: &Motion,
-        watch: &mut dyn FnMut(&Iteration) -> bool,
-    ) -> Motion {
-        let settings = Settings {
-            max_iterations: self.settings.max_iterations.min(HOLDS_ITERATIONS),
-            ..self.settings.clone()
-        };
-        let grid = Refinement {
-            max_step: HOLDS,
-            integrator: settings.integrator,
-        };
-        let mut fine = self.planner.refine(phases, &settings, coarse, grid, watch);
-        fine.iterations += coarse.iterations;
-        fine.seconds += coarse.seconds;
-        fine
     }
 
     fn report(
