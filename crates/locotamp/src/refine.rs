@@ -17,7 +17,7 @@ const HOLDS: f64 = 0.06;
 /// misses is far less than what finer grids change.
 const NEARLY_SOLVED: f64 = 1e-3;
 /// Most iterations for that, in each round.
-const HOLDS_ITERATIONS: usize = 100;
+const HOLDS_ITERATIONS: usize = 200;
 
 /// Share by which the coarse grid may be longer than that and still count as one between: phases grow a little.
 const NEARLY: f64 = 1.2;
@@ -51,7 +51,7 @@ pub(crate) fn hold(
     planner: &Planner<'_>,
     phases: &[Phase],
     settings: &Settings,
-    coarse: &Motion,
+    (coarse, refinement): (&Motion, Refinement),
     watch: &mut dyn FnMut(&Iteration) -> bool,
 ) -> Motion {
     let settings = Settings {
@@ -60,7 +60,7 @@ pub(crate) fn hold(
     };
     let grid = Refinement {
         max_step: HOLDS,
-        integrator: settings.integrator,
+        ..refinement
     };
     let mut fine = planner.refine(phases, &settings, coarse, grid, watch);
     fine.iterations += coarse.iterations;
@@ -89,7 +89,7 @@ pub(crate) fn refine(
     let coarse_intervals = coarse.trajectory.program.n_intervals();
     let middle = Refinement {
         max_step: MIDDLE * refinement.max_step,
-        integrator: settings.integrator,
+        ..refinement
     };
     let mut stopped = !observe(&Event::Refining {
         max_step: refinement.max_step,

@@ -132,8 +132,10 @@ pub fn solve(
             !stopped && !late
         };
         let mut motion = planner.motion(&phases, &settings, &keyframes.nodes, &mut watch);
-        if request.refines().is_some() && !motion.feasible && refine::may_hold(&motion) {
-            let fine = refine::hold(&planner, &phases, &settings, &motion, &mut watch);
+        let refinement = request.refines().filter(|_| !motion.feasible);
+        if let Some(refinement) = refinement.filter(|_| refine::may_hold(&motion)) {
+            let from = (&motion, refinement);
+            let fine = refine::hold(&planner, &phases, &settings, from, &mut watch);
             motion = if fine.feasible { fine } else { motion };
         }
         let ended = match (stopped, late) {

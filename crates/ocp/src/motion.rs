@@ -24,6 +24,9 @@ const MISSED_TOLERANCE: f64 = 1e-2;
 /// Barrier parameter and relaxation with which a repair starts from the last solution.
 const REPAIR_BARRIER: f64 = 1e-3;
 const REPAIR_PUSH: f64 = 1e-4;
+/// The same where a coarser grid's motion is the start: that may be far from a solution.
+const FINER_BARRIER: f64 = 0.1;
+const FINER_PUSH: f64 = 1e-3;
 /// Largest violation of a solution (scaled rows).
 const SOLVED: f64 = 1e-6;
 /// Complementarity products and dual residual at the solution of a barrier problem: the products come to about the barrier
@@ -96,6 +99,18 @@ impl First {
             options: Options {
                 initial_barrier: REPAIR_BARRIER,
                 bound_push: REPAIR_PUSH,
+                ..Options::default()
+            },
+            ..Self::cold()
+        }
+    }
+
+    /// From the motion on a coarser grid.
+    pub fn finer() -> Self {
+        Self {
+            options: Options {
+                initial_barrier: FINER_BARRIER,
+                bound_push: FINER_PUSH,
                 ..Options::default()
             },
             ..Self::cold()

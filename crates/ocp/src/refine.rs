@@ -118,6 +118,6 @@ impl Planner<'_> {
             velocities,
             durations: durations.clone(),
         };
-        self.optimise(&finer, program, point, First::near_solution(), observe)
+        self.optimise(&finer, program, point, First::finer(), observe)
     }
 }

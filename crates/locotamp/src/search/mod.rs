@@ -93,7 +93,7 @@ pub fn plan(
     let shop = Shop {
         planner: &planner,
         settings: &settings,
-        holds: request.refines().is_some(),
+        holds: request.refines(),
         stop: &stop,
         begin,
         time_limit: request.time_limit,

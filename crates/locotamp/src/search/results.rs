@@ -180,10 +180,9 @@ impl Run<'_> {
                     ..
                 } = nearest;
                 let phases = with_steps(&self.phases(&sequence), &steps);
-                let (planner, settings) = (self.shop.planner, self.shop.settings);
-                let mut motion = planner.restore(&phases, settings, point);
+                let mut motion = self.shop.restore(&phases, point);
                 motion.feasible = false;
-                Found::of(planner.scene, &sequence.labels, &mut motion, Refined::No)
+                Found::of(self.shop.planner.scene, &sequence.labels, &mut motion, Refined::No)
             })
         };
         Outcome {
@@ -210,7 +209,7 @@ impl Run<'_> {
             let kept = &self.diverse[n];
             let phases = with_steps(&self.phases(&kept.sequence), &kept.steps);
             let labels = kept.sequence.labels.clone();
-            let mut motion = planner.restore(&phases, settings, kept.point.clone());
+            let mut motion = self.shop.restore(&phases, kept.point.clone());
             motion.feasible = true;
             let limits = (&request, self.shop.begin);
             let (mut motion, refined) =

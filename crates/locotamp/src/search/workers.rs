@@ -4,7 +4,7 @@ use crate::api::Event;
 use crate::journal::{PointEntry, Tried};
 use crate::refine::{hold, may_hold, on_finer_grid};
 use crate::{export, summary};
-use ocp::{Motion, Phase, Planner, Point, Relative, Settings};
+use ocp::{Motion, Phase, Planner, Point, Refinement, Relative, Settings};
 use plan::Plan;
 use solver::Iteration;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -94,8 +94,8 @@ pub(super) fn with_steps(phases: &[Phase], steps: &[usize]) -> Vec<Phase> {
 pub(super) struct Shop<'a> {
     pub planner: &'a Planner<'a>,
     pub settings: &'a Settings,
-    /// Must motions hold on a finer grid ([`hold`]) to count.
-    pub holds: bool,
+    /// What motions are refined to, if they must hold on a finer grid ([`hold`]) to count.
+    pub holds: Option<Refinement>,
     /// Set to make all motions end at their next iteration.
     pub stop: &'a AtomicBool,
     pub begin: Instant,
@@ -164,7 +164,7 @@ impl Shop<'_> {
         let mut motion = match job.start {
             Start::Known(point, feasible) => {
                 let phases = with_steps(phases, &point.steps);
-                let mut motion = planner.restore(&phases, settings, point.into());
+                let mut motion = self.restore(&phases, point.into());
                 motion.feasible = feasible;
                 return self.report(&job.labels, &mut motion, None);
             }
@@ -175,15 +175,25 @@ impl Shop<'_> {
             }
         };
         let relative = motion.feasible.then(|| Arc::new(motion.relative()));
-        let refines = self.holds && may_hold(&motion);
-        if refines {
-            motion = hold(planner, phases, settings, &motion, &mut watch);
+        let refinement = self.holds.filter(|_| may_hold(&motion));
+        if let Some(refinement) = refinement {
+            motion = hold(planner, phases, settings, (&motion, refinement), &mut watch);
         }
         let mut done = self.report(&job.labels, &mut motion, relative);
-        if refines {
+        if refinement.is_some() {
             done.reason = done.reason.map(on_finer_grid);
         }
         done
+    }
+
+    /// A motion that is known ([`Planner::restore`]), with the integrator of its grid.
+    pub fn restore(self, phases: &[Phase], point: Point) -> Motion {
+        let finer = self.holds.filter(|_| !point.velocities.is_empty());
+        let settings = Settings {
+            integrator: finer.map_or(self.settings.integrator, |grid| grid.integrator),
+            ..self.settings.clone()
+        };
+        self.planner.restore(phases, &settings, point)
     }
 
     fn report(
