@@ -94,7 +94,7 @@ fn refinement(refined: &Refined) -> String {
             "refinement         from {coarse_intervals} intervals, {iterations} iterations, {seconds:.1} s\n"
         ),
         Refined::Failed(reason) => {
-            format!("refinement         failed, the plan is the coarse motion: {reason}\n")
+            format!("refinement         failed, the plan is a coarser motion: {reason}\n")
         }
     }
 }

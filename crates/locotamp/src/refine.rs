@@ -36,7 +36,7 @@ pub enum Refined {
         /// Solver time on the finer grid [s].
         seconds: f64,
     },
-    /// The plan is the coarse motion, for this reason.
+    /// The plan is a coarser motion, for this reason.
     Failed(String),
 }
 
@@ -73,8 +73,8 @@ pub(crate) fn on_finer_grid(reason: String) -> String {
     format!("on a grid of {:.0} ms: {reason}", 1e3 * HOLDS)
 }
 
-/// Refines a feasible motion if the request wants it, within the time limit that began at `begin`; without success the
-/// coarse one is returned.
+/// Refines a feasible motion if the request wants it, within the time limit that began at `begin`; without success the finest
+/// one that was found is returned.
 pub(crate) fn refine(
     planner: &Planner<'_>,
     phases: &[Phase],
@@ -110,7 +110,7 @@ pub(crate) fn refine(
         .filter(|motion| motion.feasible);
     let from = on_the_way.as_ref().unwrap_or(&coarse);
     let mut fine = planner.refine(phases, settings, from, refinement, &mut watch);
-    if let Some(motion) = on_the_way {
+    if let Some(motion) = &on_the_way {
         fine.iterations += motion.iterations;
         fine.seconds += motion.seconds;
     }
@@ -128,7 +128,7 @@ pub(crate) fn refine(
         Some(words) => words,
         None => format!("the optimiser ended as {:?}", fine.report.status),
     };
-    (coarse, Refined::Failed(reason))
+    (on_the_way.unwrap_or(coarse), Refined::Failed(reason))
 }
 
 /// Longest interval of a motion [s].

@@ -6,7 +6,7 @@ use crate::point::Point;
 use crate::problem::Trajectory;
 use crate::program::{Grid, Phase, Program, RowLabel};
 use crate::relative_motion::Relative;
-use crate::settings::{Preset, Settings};
+use crate::settings::Settings;
 use crate::system::System;
 use scene::Scene;
 use solver::{
@@ -73,6 +73,46 @@ pub struct Motion {
     pub hardest: Option<Worst>,
 }
 
+/// What all rounds took.
+#[derive(Default)]
+struct Work {
+    iterations: usize,
+    seconds: f64,
+    timing: Timing,
+}
+
+impl Work {
+    fn add(&mut self, report: &Report) {
+        self.iterations += report.iterations;
+        self.seconds += report.timing.total.as_secs_f64();
+        self.timing += report.timing;
+    }
+}
+
+impl Motion {
+    fn new(
+        trajectory: Trajectory,
+        point: Point,
+        report: Report,
+        work: Work,
+        feasible: bool,
+        worst: Option<Worst>,
+    ) -> Self {
+        let hardest = hardest_limit(&trajectory.program, &report).filter(|_| !feasible);
+        Self {
+            trajectory,
+            point,
+            report,
+            iterations: work.iterations,
+            seconds: work.seconds,
+            timing: work.timing,
+            feasible,
+            worst,
+            hardest,
+        }
+    }
+}
+
 /// How the first round is solved.
 pub(crate) struct First {
     /// Options of the solver.
@@ -91,6 +131,27 @@ impl First {
             multipliers: None,
             max_iterations: usize::MAX,
         }
+    }
+
+    /// The solver's options for a program after so many iterations of earlier rounds.
+    fn options_of_round(&self, program: &Program, iterations: usize) -> Options {
+        let settings = &program.settings;
+        let left = settings.max_iterations.saturating_sub(iterations).max(1);
+        let mut options = Options {
+            max_iterations: left.min(self.max_iterations),
+            ..self.options.clone()
+        };
+        if settings.barrier > options.min_barrier {
+            options.min_barrier = settings.barrier;
+            options.complementarity_tolerance = COMPLEMENTARITY * settings.barrier;
+            options.dual_tolerance = BARRIER_DUAL_TOLERANCE;
+            options.feasibility_tolerance = SOLVED;
+        }
+        if program.has_velocities() {
+            options.feasibility_tolerance = STATE_TOLERANCE;
+            options.dual_tolerance = STATE_DUAL_TOLERANCE;
+        }
+        options
     }
 
     /// From a point near a solution.
@@ -203,17 +264,9 @@ impl<'a> Planner<'a> {
         let program = self.program(phases, settings, Grid::Motion, near(&point.nodes, &none));
         let mut trajectory = Trajectory::new(program);
         let report = report_at(&mut trajectory, &point);
-        Motion {
-            worst: worst_row(&trajectory.program, &report, NEW_TOLERANCE),
-            hardest: None,
-            feasible: report.violation <= NEW_TOLERANCE,
-            trajectory,
-            point,
-            report,
-            iterations: 0,
-            seconds: 0.0,
-            timing: Timing::default(),
-        }
+        let feasible = report.violation <= NEW_TOLERANCE;
+        let worst = worst_row(&trajectory.program, &report, NEW_TOLERANCE);
+        Motion::new(trajectory, point, report, Work::default(), feasible, worst)
     }
 
     /// Solves a program, again with more collision pairs or clearance where the motion collides.
@@ -227,23 +280,11 @@ impl<'a> Planner<'a> {
     ) -> Motion {
         let settings = &program.settings.clone();
         let mut extra = ExtraClearance::new();
-        let (mut iterations, mut seconds, mut timing) = (0, 0.0, Timing::default());
+        let mut work = Work::default();
         for round in 0.. {
             let mut trajectory = Trajectory::new(program);
             let structure = trajectory.structure().clone();
-            let mut options = first.options.clone();
-            let left = settings.max_iterations.saturating_sub(iterations).max(1);
-            options.max_iterations = left.min(first.max_iterations);
-            if settings.barrier > options.min_barrier {
-                options.min_barrier = settings.barrier;
-                options.complementarity_tolerance = COMPLEMENTARITY * settings.barrier;
-                options.dual_tolerance = BARRIER_DUAL_TOLERANCE;
-                options.feasibility_tolerance = SOLVED;
-            }
-            if trajectory.program.has_velocities() {
-                options.feasibility_tolerance = STATE_TOLERANCE;
-                options.dual_tolerance = STATE_DUAL_TOLERANCE;
-            }
+            let options = first.options_of_round(&trajectory.program, work.iterations);
             let report = InteriorPoint::new(&structure).solve(
                 &mut trajectory,
                 &mut point,
@@ -251,12 +292,10 @@ impl<'a> Planner<'a> {
                 first.multipliers.take().as_deref(),
                 observe,
             );
-            iterations += report.iterations;
-            seconds += report.timing.total.as_secs_f64();
-            timing += report.timing;
+            work.add(&report);
             let solved = report.violation <= SOLVED;
             if solved && report.status != Status::Interrupted && round < REPAIRS {
-                let between = settings.preset == Preset::Default
+                let between = settings.between
                     && self.demand_clearance_between(
                         &trajectory.program,
                         phases,
@@ -274,26 +313,13 @@ impl<'a> Planner<'a> {
                 }
             }
             // Nobody has asked yet about what came near in the last round.
-            let missed = if solved {
+            let worst = if solved {
                 self.missed(phases, settings, &point)
             } else {
-                None
+                worst_row(&trajectory.program, &report, 1e-7)
             };
-            let solved = solved && missed.is_none();
-            let worst = worst_row(&trajectory.program, &report, 1e-7).filter(|_| !solved);
-            let worst = missed.or(worst);
-            let hardest = hardest_limit(&trajectory.program, &report).filter(|_| !solved);
-            return Motion {
-                hardest,
-                trajectory,
-                point,
-                report,
-                iterations,
-                seconds,
-                timing,
-                feasible: solved,
-                worst,
-            };
+            let feasible = solved && worst.is_none();
+            return Motion::new(trajectory, point, report, work, feasible, worst);
         }
         unreachable!("the loop returns in its last round")
     }

@@ -99,6 +99,7 @@ impl Planner<'_> {
         let settings = Settings {
             integrator: refinement.integrator,
             max_step: refinement.max_step,
+            between: true,
             weights: Weights {
                 acceleration: SMOOTHER * settings.weights.acceleration,
                 ..settings.weights.clone()

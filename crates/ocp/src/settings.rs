@@ -171,6 +171,9 @@ pub struct Settings {
     pub weights: Weights,
     /// Margins.
     pub margins: Margins,
+    /// Are collisions between the nodes of a motion repaired; not on a coarse grid that a finer one follows, whose nodes lie
+    /// there.
+    pub between: bool,
     /// Iteration limit of one solve.
     pub max_iterations: usize,
     /// Smallest barrier parameter; zero: as small as the solver's own. A motion that solves a barrier problem satisfies every row
@@ -205,6 +208,7 @@ impl Settings {
             } else {
                 Margins::none()
             },
+            between: preset == Preset::Default,
             max_iterations: options.max_iterations,
             barrier: if preset == Preset::Default {
                 BARRIER

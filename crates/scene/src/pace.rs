@@ -44,3 +44,21 @@ fn height(robot: &Robot, interfaces: &[Interface]) -> Option<f64> {
         .min_by(f64::total_cmp)
         .map(|lowest| -lowest)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Scene;
+
+    #[test]
+    fn bounds_grow_with_the_time_scale_of_the_pendulum() {
+        let scene = Scene::builtin("pick-place").expect("a built-in scene");
+        let bounds = |gravity| durations(&scene.robot, &scene.interfaces, gravity);
+        let (shortest, longest) = bounds(9.81);
+        assert!((shortest - 0.25).abs() < 1e-12 && (longest - 2.0).abs() < 1e-12);
+        let (on_moon, _) = bounds(9.81 / 9.0);
+        assert!((on_moon - 0.75).abs() <= GRAIN + 1e-12, "{on_moon}");
+        let (without_feet, _) = durations(&scene.robot, &[], 9.81);
+        assert!((without_feet - 0.25).abs() < 1e-12);
+    }
+}

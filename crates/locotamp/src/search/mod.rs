@@ -166,9 +166,11 @@ pub(crate) fn settings(scene: &Scene, request: &Request) -> Result<Settings, Err
     if request.preset == Preset::Paper && request.integrator != Integrator::Euler {
         return Err(Error::PaperIntegrator);
     }
+    let settings = Settings::new(request.preset, &scene.optimiser);
     Ok(Settings {
         integrator: request.integrator,
-        ..Settings::new(request.preset, &scene.optimiser)
+        between: settings.between && request.refines().is_none(),
+        ..settings
     })
 }
 
