@@ -124,6 +124,7 @@ pub(crate) fn finish(
 pub(crate) fn words(status: Status) -> &'static str {
     match status {
         Status::Solved => "solved",
+        Status::Acceptable => "nearly solved",
         Status::Stalled => "stalled",
         Status::IterationLimit => "iteration limit",
         Status::Interrupted => "interrupted",

@@ -29,6 +29,8 @@ const FINER_BARRIER: f64 = 0.1;
 const FINER_PUSH: f64 = 1e-3;
 /// Largest violation of a solution (scaled rows).
 const SOLVED: f64 = 1e-6;
+/// Iterations that stand still within ten times that (a tenth of what the checker allows) before they count as one.
+const STILL_ITERATIONS: usize = 10;
 /// Complementarity products and dual residual at the solution of a barrier problem: the products come to about the barrier
 /// parameter, and the last Newton steps, which make the rows hold, leave far smaller residuals.
 const COMPLEMENTARITY: f64 = 10.0;
@@ -146,6 +148,7 @@ impl First {
             options.complementarity_tolerance = COMPLEMENTARITY * settings.barrier;
             options.dual_tolerance = BARRIER_DUAL_TOLERANCE;
             options.feasibility_tolerance = SOLVED;
+            options.acceptable_iterations = STILL_ITERATIONS;
         }
         if program.has_velocities() {
             options.feasibility_tolerance = STATE_TOLERANCE;
@@ -293,7 +296,8 @@ impl<'a> Planner<'a> {
                 observe,
             );
             work.add(&report);
-            let solved = report.violation <= SOLVED;
+            let acceptable = report.status == Status::Acceptable;
+            let solved = acceptable || report.violation <= SOLVED;
             if solved && report.status != Status::Interrupted && round < REPAIRS {
                 let between = settings.between
                     && self.demand_clearance_between(

@@ -7,6 +7,10 @@ pub struct Options {
     pub max_iterations: usize,
     /// Largest row violation at a solution, in the problem's scaled rows.
     pub feasibility_tolerance: f64,
+    /// The same for an end without a solution of the other conditions ([`crate::Status::Acceptable`]).
+    pub acceptable_tolerance: f64,
+    /// How many iterations it must hold for, and the objective stand still, before that end; 0: never.
+    pub acceptable_iterations: usize,
     /// Largest scaled dual residual at a solution.
     pub dual_tolerance: f64,
     /// Largest complementarity product at a solution.
@@ -38,6 +42,8 @@ impl Default for Options {
         Self {
             max_iterations: 200,
             feasibility_tolerance: 1e-7,
+            acceptable_tolerance: 1e-5,
+            acceptable_iterations: 0,
             dual_tolerance: 1e-4,
             complementarity_tolerance: 1e-4,
             initial_barrier: 5e-3,

@@ -7,6 +7,8 @@ use std::time::Duration;
 pub enum Status {
     /// All tolerances are met.
     Solved,
+    /// The violation was acceptable for long enough and the objective stood still ([`crate::Options::acceptable_iterations`]).
+    Acceptable,
     /// The violation stopped falling above its tolerance.
     Stalled,
     /// The iteration limit was reached.

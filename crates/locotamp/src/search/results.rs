@@ -182,7 +182,12 @@ impl Run<'_> {
                 let phases = with_steps(&self.phases(&sequence), &steps);
                 let mut motion = self.shop.restore(&phases, point);
                 motion.feasible = false;
-                Found::of(self.shop.planner.scene, &sequence.labels, &mut motion, Refined::No)
+                Found::of(
+                    self.shop.planner.scene,
+                    &sequence.labels,
+                    &mut motion,
+                    Refined::No,
+                )
             })
         };
         Outcome {

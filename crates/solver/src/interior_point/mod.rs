@@ -7,6 +7,7 @@
 //! the barrier parameter follows the adaptive strategy of Nocedal, Wächter, Waltz 2009 with a monotone safeguard.
 //! **Departs:** when no step is acceptable the system is shifted and, at last, the least violated point is returned.
 
+mod acceptable;
 mod barrier_update;
 mod best;
 mod contradiction;
@@ -23,6 +24,7 @@ use std::time::Instant;
 use crate::filter::Verdict;
 use crate::kkt::Kkt;
 use crate::{ElementData, Iteration, Options, Problem, Report, Status, Structure, Timing};
+use acceptable::Acceptable;
 use best::Best;
 use fixed::Fixed;
 use residuals::gather_rows;
@@ -124,6 +126,7 @@ impl<P: Problem> InteriorPoint<P> {
         }
         let mut state = self.start(problem, x, options, warm_multipliers);
         let mut stall = Stall::new(options);
+        let mut acceptable = Acceptable::new(options);
         let mut trial_x = x.clone();
         let mut best = Best::new(x, state.multipliers());
         let mut line = Iteration::default();
@@ -137,12 +140,15 @@ impl<P: Problem> InteriorPoint<P> {
             let go_on = observe(&line);
             best.note(errors.violation, state.multipliers());
             stall.push(errors.violation, line.step);
+            acceptable.push(errors.violation, line.objective);
             if !self.is_finite(line.objective) {
                 break Status::Failed;
             } else if errors.within(options) {
                 break Status::Solved;
             } else if !go_on || begin.elapsed().as_secs_f64() > options.time_limit {
                 break Status::Interrupted;
+            } else if acceptable.is_reached() {
+                break Status::Acceptable;
             } else if stall.is_stalled() {
                 break Status::Stalled;
             } else if line.number == options.max_iterations {
@@ -175,7 +181,8 @@ impl<P: Problem> InteriorPoint<P> {
             };
             line.number += 1;
         };
-        if status != Status::Solved && best.violation() < errors.violation {
+        let ended_well = matches!(status, Status::Solved | Status::Acceptable);
+        if !ended_well && best.violation() < errors.violation {
             errors.violation = best.violation();
             let bounds = &mut state.vars;
             best.restore(x, [&mut state.y, &mut bounds.z_lower, &mut bounds.z_upper]);
