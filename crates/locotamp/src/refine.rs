@@ -69,7 +69,7 @@ pub(crate) fn hold(
 }
 
 /// Why a motion does not hold on that grid.
-pub(crate) fn on_finer_grid(reason: String) -> String {
+pub(crate) fn on_finer_grid(reason: &str) -> String {
     format!("on a grid of {:.0} ms: {reason}", 1e3 * HOLDS)
 }
 

@@ -76,7 +76,7 @@ pub struct Motion {
 }
 
 /// What all rounds took.
-#[derive(Default)]
+#[derive(Clone, Copy, Default)]
 struct Work {
     iterations: usize,
     seconds: f64,

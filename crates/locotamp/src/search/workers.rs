@@ -181,7 +181,7 @@ impl Shop<'_> {
         }
         let mut done = self.report(&job.labels, &mut motion, relative);
         if refinement.is_some() {
-            done.reason = done.reason.map(on_finer_grid);
+            done.reason = done.reason.as_deref().map(on_finer_grid);
         }
         done
     }
