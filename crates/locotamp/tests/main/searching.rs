@@ -83,8 +83,14 @@ fn a_search_that_was_cut_off_goes_on_from_its_journal_and_comes_to_the_same() {
             let list = |key: &str| x[key].as_array().cloned().unwrap_or_default();
             (
                 x["number"].as_u64().expect("a number"),
-                list("visits").iter().filter_map(|n| n.as_u64()).collect(),
-                list("values").iter().filter_map(|n| n.as_f64()).collect(),
+                list("visits")
+                    .iter()
+                    .filter_map(serde_json::Value::as_u64)
+                    .collect(),
+                list("values")
+                    .iter()
+                    .filter_map(serde_json::Value::as_f64)
+                    .collect(),
                 x["reward"].as_f64().expect("a reward"),
             )
         })
