@@ -54,6 +54,7 @@ export interface RawPlan {
   generator: string;
   objective: [string, number] | null;
   cost: number | null;
+  costs: { terms: [string, number][]; rates: Table; end: [string, number][] } | null;
   integrator: string;
   robot: { name: string; mass: number; tree: Joint[]; shapes: Shape[]; joints: Axis[]; notes: string[] };
   objects: { name: string; mass: number; shapes: Shape[]; pose: Table }[];
@@ -140,6 +141,8 @@ export class Plan {
   readonly tau: Rows;
   readonly torqueShare: Rows;
   readonly com: Rows;
+  /** What each term of the cost takes per second. */
+  readonly costRates: Rows;
   readonly objectPose: Rows[];
   readonly phases: Phase[] = [];
   readonly phaseOf: number[] = [];
@@ -155,9 +158,10 @@ export class Plan {
     this.tau = decode(raw.tau, `${name}: tau`);
     this.torqueShare = decode(raw.torque_share, `${name}: torque_share`);
     this.com = decode(raw.com, `${name}: com`);
+    this.costRates = raw.costs ? decode(raw.costs.rates, `${name}: costs`) : new Rows(0, new Float64Array());
     this.objectPose = raw.objects.map((object) => decode(object.pose, `${name}: object ${object.name}`));
     if (this.time.length < 2) throw new Error(`${name}: ${this.time.length} nodes, expected two or more`);
-    for (const [key, rows, least] of [["q", this.q, 0], ["com", this.com, 0], ["rates", this.rates, 0], ["tau", this.tau, 1], ["torque_share", this.torqueShare, 1]] as const) {
+    for (const [key, rows, least] of [["q", this.q, 0], ["com", this.com, 0], ["rates", this.rates, 0], ["tau", this.tau, 1], ["torque_share", this.torqueShare, 1], ["costs", this.costRates, 1]] as const) {
       if (rows.columns > 0 && rows.length !== this.time.length - least) {
         throw new Error(`${name}: ${key} has ${rows.length} rows, expected ${this.time.length - least}`);
       }

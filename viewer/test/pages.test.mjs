@@ -91,6 +91,28 @@ test("a click on the chart goes to that time", () => on("one", "light", async (p
   assert.match(await page.$eval(".tip", (tip) => tip.textContent), /: \d+ %/, "values with their unit");
 }));
 
+test("the cost is drawn by term over time, and its areas and ends add up to the cost", () => on("one", "light", async (page) => {
+  const { area, sums, cost } = await page.evaluate(() => {
+    const { raw, time, costRates } = window.locotamp.plans[0];
+    let area = 0;
+    for (let t = 0; t + 1 < time.length; t++) for (let i = 0; i < costRates.columns; i++) area += costRates.at(t, i) * (time[t + 1] - time[t]);
+    const sum = (terms) => terms.reduce((sum, [, cost]) => sum + cost, 0);
+    return { area: area + sum(raw.costs.end), sums: sum(raw.costs.terms) + sum(raw.costs.end), cost: raw.cost };
+  });
+  assert.ok(cost > 1 && Math.abs(sums - cost) < 1e-4 * cost, `${sums} and ${cost}`);
+  assert.ok(Math.abs(area - cost) < 2e-3 * cost, `${area} and ${cost}`);
+  const chart = await page.$('.stack canvas[aria-label^="Cost per second"]');
+  await chart.evaluate((canvas) => canvas.scrollIntoView({ block: "center" }));
+  const box = await chart.boundingBox();
+  await page.mouse.move(box.x + 0.5 * box.width, box.y + 40);
+  assert.match(await page.$eval(".tip", (tip) => tip.textContent), /time: 1 \/s, \d+(\.\d+)? in all/);
+  const tip = await (await page.$(".tip")).boundingBox();
+  assert.ok(tip.y >= 0 && tip.y + tip.height < box.y + 40 && tip.y + tip.height > box.y, "beside the pointer, however far the charts are scrolled");
+  await page.mouse.click(box.x + 0.5 * box.width, box.y + 40);
+  assert.ok((await time(page)) > 0.5, "a click goes to the time");
+  assert.match(await page.$eval(".panel", (panel) => panel.textContent), /of which.*time \d/);
+}));
+
 test("everything can be done with keys", () => on("one", "light", async (page) => {
   const node = () => page.evaluate(() => { const app = window.locotamp; return app.plans[0].at(app.player.time); });
   await page.keyboard.press("ArrowRight");

@@ -21,7 +21,7 @@ const LINES = [
   { kind: "state", states: [["left_foot on box_left"]], possible: false, reason: "contact bounds of left_foot on box_left: 1.7e-3 m off", seconds: 0.1 },
   { kind: "prefix", states: [feet, feet.slice(0, 1)], possible: false, reason: "clearance of box and leg: 2e-2 m off", seconds: 0.1 },
   sequence(1, "keyframes", [feet, [...feet, "left_hand on box_left"]], { reason }),
-  sequence(2, "feasible", [feet, [...feet, "left_hand on box_left", "right_hand on box_right"], [...feet, "right_hand on box_right"]], { cost: 4.5, violation: 1e-9, reward: 0.8 }),
+  sequence(2, "feasible", [feet, [...feet, "left_hand on box_left", "right_hand on box_right"], [...feet, "right_hand on box_right"]], { cost: 4.5, violation: 1e-9, reward: 0.8, visits: [7, 3], values: [0.1875, 0.4] }),
 ];
 
 before(async () => {
@@ -58,6 +58,17 @@ test("the tree says what was tried, how far it got and why not further", async (
   await page.click(".row.refused");
   assert.match(await page.$eval(".detail", (detail) => detail.textContent), /refused.*clearance of box and leg: 2e-2 m off/);
   assert.deepEqual([page.faults, page.requests], [[], []]);
+  await page.close();
+});
+
+test("nodes of the search's tree show visits and value, others none", async () => {
+  const page = await open(browser, join(folder, "search.html"));
+  await settle(page);
+  assert.deepEqual(await page.$$eval(".row .visits", (cells) => cells.map((cell) => cell.textContent).filter(Boolean)), ["7 × 19 %", "3 × 40 %"]);
+  const detail = () => page.$eval(".detail", (detail) => detail.textContent);
+  assert.doesNotMatch(await detail(), /Visits/, "a state that only the walk behind the tree came to");
+  await page.click(".row");
+  assert.match(await detail(), /Sequences through it2.*Largest reward80 %.*Visits of the search7Value, their mean reward19 %/);
   await page.close();
 });
 

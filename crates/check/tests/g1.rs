@@ -210,6 +210,7 @@ fn standing() -> Plan {
         goal: Vec::new(),
         goal_regions: Vec::new(),
         explanation: None,
+        costs: None,
         phases: vec![Phase {
             duration: 1.0,
             steps,

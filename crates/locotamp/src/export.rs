@@ -2,9 +2,9 @@
 
 use multibody::{Centroidal, Kinematics};
 use nalgebra::Vector3;
-use ocp::{Motion, Preset};
+use ocp::{CostTerm, Motion, Preset};
 use plan::{
-    Contact, ContactType, Dynamics, Extra, Geometry, GoalContact, GoalRegion, Integrator,
+    Contact, ContactType, Costs, Dynamics, Extra, Geometry, GoalContact, GoalRegion, Integrator,
     Interface, InterfaceKind, Object, ObjectStates, Objective, Phase, Plan, Robot, StaticBody,
     Status, TorqueSpeed,
 };
@@ -30,6 +30,7 @@ pub fn plan(scene: &Scene, labels: &[String], motion: &mut Motion) -> Plan {
         tau.push(motion.trajectory.torques(&point, t));
         dt.push(motion.trajectory.dt(&point, t));
     }
+    let costs = costs(motion);
     let program = &motion.trajectory.program;
     v.push(vec![0.0; program.system.model.nv]);
     let mut object_states = BTreeMap::new();
@@ -144,7 +145,33 @@ pub fn plan(scene: &Scene, labels: &[String], motion: &mut Motion) -> Plan {
         a: robot(&a, nv),
         tau: tau.iter().map(|row| row[6..nv].to_vec()).collect(),
         object_states,
+        costs: Some(costs),
         explanation: None,
+        extra: Extra::new(),
+    }
+}
+
+/// Costs are written in whole parts of one over this.
+const COST_PARTS: f64 = 1e7;
+
+/// What the optimiser minimised by interval and term; terms that are zero all the time are left out.
+fn costs(motion: &mut Motion) -> Costs {
+    let Motion {
+        trajectory, point, ..
+    } = motion;
+    let intervals = 0..trajectory.program.n_intervals();
+    let rows: Vec<_> = intervals.map(|t| trajectory.cost_terms(point, t)).collect();
+    let used = |term: &CostTerm| rows.iter().any(|row| row.of(*term) != 0.0);
+    let used: Vec<_> = CostTerm::ALL.into_iter().filter(used).collect();
+    let (end, over_time): (Vec<_>, Vec<_>) = used.into_iter().partition(|x| x.is_at_the_end());
+    let rounded = |cost: f64| (cost * COST_PARTS).round() / COST_PARTS;
+    let all = |term: CostTerm| rounded(rows.iter().map(|row| row.of(term)).sum());
+    Costs {
+        terms: over_time.iter().map(|x| x.name().to_owned()).collect(),
+        per_interval: (rows.iter())
+            .map(|row| over_time.iter().map(|x| rounded(row.of(*x))).collect())
+            .collect(),
+        end: end.iter().map(|x| (x.name().into(), all(*x))).collect(),
         extra: Extra::new(),
     }
 }

@@ -102,6 +102,12 @@ pub struct Tried {
     pub seconds: f64,
     /// What the search was told, between 0 and 1.
     pub reward: f64,
+    /// How often the search had gone through the beginnings of the sequence by then, the start first, as far as its tree reaches.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub visits: Vec<u32>,
+    /// Mean reward of these visits.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub values: Vec<f64>,
     /// The motion, if it is feasible or the best so far.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub point: Option<PointEntry>,

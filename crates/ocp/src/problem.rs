@@ -111,7 +111,7 @@ impl Trajectory {
     }
 
     /// Kinematics, relative poses and differences at a point.
-    fn update(&mut self, x: &Point) {
+    pub(crate) fn update(&mut self, x: &Point) {
         if self.evaluated.is_at(x) {
             return;
         }
@@ -232,7 +232,6 @@ impl Trajectory {
         let program = &self.program;
         let interval = &program.intervals[t];
         let s = &mut self.scratch;
-        let mut objective = 0.0;
         if dynamics {
             for i in 0..s.tau.len() {
                 out.values[i] = s.tau[i] / program.dynamics_scale[i];
@@ -250,15 +249,6 @@ impl Trajectory {
             }
             let scale = &program.dynamics_scale;
             (interval.torque_speed).values(&s.tau, scale, &s.chain.motion, &mut out.values);
-            objective += program.settings.weights.time * s.chain.motion.dt;
-        }
-        let share = program.share[interval.phase];
-        for (i, (wv, wa)) in program.motion_weights.iter().enumerate() {
-            let (v, a) = (
-                s.chain.motion.v[i],
-                if dynamics { s.chain.motion.a[i] } else { 0.0 },
-            );
-            objective += 0.5 * share * (wv * v * v + wa * a * a);
         }
         if let Some(first) = interval.velocity_rows {
             for (k, joint) in program.system.actuated().enumerate() {
@@ -306,9 +296,7 @@ impl Trajectory {
             };
             s.slips.values(slip, at, &s.chain.motion.v, &mut out.values);
         }
-        let weight = program.settings.weights.force * share;
         for force in &interval.forces {
-            let scaled = &x.wrenches[t][force.first..force.first + force.n];
             let wrench = physical_wrench(force, &x.wrenches[t]);
             let pose = &self.nodes[t].relatives[force.slot].b_from_a;
             for rows in &force.rows {
@@ -318,18 +306,6 @@ impl Trajectory {
                     &mut out.values[rows.first_row..rows.first_row + rows.n_rows],
                 );
             }
-            for (l, r) in scaled.iter().zip(&force.reference) {
-                objective += 0.5 * weight * (l - r) * (l - r);
-            }
-        }
-        if !interval.changes.is_empty() {
-            let weight = program.settings.weights.force_rate / share;
-            let first = program.intervals[t + 1].wrench_var;
-            let vars = &program.structure.elements[t].vars;
-            for &(here, next) in &interval.changes {
-                let change = x.wrenches[t + 1][vars[next] - first] - x.wrenches[t][here];
-                objective += 0.5 * weight * change * change;
-            }
         }
         for node in element_nodes(program, t) {
             let state = &mut self.nodes[node];
@@ -338,19 +314,8 @@ impl Trajectory {
                 let pose = &state.relatives[term.slot].b_from_a;
                 term.term.values_near(pose, values, nearest);
             }
-            for cost in &program.nodes[node].costs {
-                let pose = &self.nodes[node].relatives[cost.slot].b_from_a;
-                cost.term.values(pose, &mut s.values);
-                objective += cost
-                    .weights
-                    .iter()
-                    .zip(&s.values)
-                    .map(|(w, v)| w * v)
-                    .sum::<f64>();
-            }
-            objective += posture_cost(program, node, &x.nodes[node], |_, _, _| ());
         }
-        out.objective = objective;
+        out.objective = self.interval_costs(x, t).sum;
     }
 }
 

@@ -23,7 +23,7 @@ mod validate;
 pub use error::PlanError;
 pub use explanation::{Explanation, FailedStage, Obstacle, Pull, Remedy};
 pub use types::{
-    Contact, ContactType, Dynamics, Extra, Geometry, GoalContact, GoalRegion, Integrator,
+    Contact, ContactType, Costs, Dynamics, Extra, Geometry, GoalContact, GoalRegion, Integrator,
     Interface, InterfaceKind, Object, ObjectStates, Objective, Phase, Plan, Pose7, Robot, Row6,
     StaticBody, Status, TorqueSpeed,
 };

@@ -80,6 +80,9 @@ pub struct Plan {
     /// Motion of the objects by name.
     #[serde(default)]
     pub object_states: BTreeMap<String, ObjectStates>,
+    /// The cost by interval and term.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub costs: Option<Costs>,
     /// Why the motion is infeasible, if that was asked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub explanation: Option<Explanation>,
@@ -387,6 +390,21 @@ pub struct ObjectStates {
     pub twist: Vec<Row6>,
     /// Time derivative of `twist`, `N` rows.
     pub accel: Vec<Row6>,
+    /// Unknown keys.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+/// The cost by interval and term: all of `per_interval` and `end` add up to the cost of the objective, but for rounding.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Costs {
+    /// Names of the terms, the columns of `per_interval`.
+    pub terms: Vec<String>,
+    /// What each interval costs, `N` rows.
+    pub per_interval: Vec<Vec<f64>>,
+    /// What counts once, at the last node; negative what is rewarded.
+    #[serde(default)]
+    pub end: BTreeMap<String, f64>,
     /// Unknown keys.
     #[serde(flatten)]
     pub extra: Extra,

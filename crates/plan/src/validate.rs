@@ -82,6 +82,10 @@ impl Faults {
             self.count(place("twist"), "rows", states.twist.len(), nodes);
             self.count(place("accel"), "rows", states.accel.len(), intervals);
         }
+        if let Some(costs) = &plan.costs {
+            let place = "costs.per_interval";
+            self.rows(place, &costs.per_interval, intervals, costs.terms.len());
+        }
         for (k, phase) in plan.phases.iter().enumerate() {
             for (i, contact) in phase.contacts.iter().enumerate() {
                 let place = format!(
@@ -126,6 +130,9 @@ impl Faults {
         self.unique("robot.joints", plan.robot.joints.iter(), &mut joints);
         for joint in plan.robot.torque_speed.keys() {
             self.known("robot.torque_speed".to_owned(), "joint", joint, &joints);
+        }
+        if let Some(costs) = &plan.costs {
+            self.unique("costs.terms", costs.terms.iter(), &mut BTreeSet::new());
         }
         let mut bodies = BTreeSet::new();
         self.unique("objects", plan.objects.iter().map(|x| &x.name), &mut bodies);

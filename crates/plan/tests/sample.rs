@@ -32,6 +32,7 @@ pub(crate) fn sample_json() -> Value {
         "time": [0.0, 0.05, 0.1, 0.2],
         "q": q, "v": vec![[0.0; 7]; 4], "h": vec![[0.0; 6]; 4], "a": vec![[0.0; 7]; 3], "tau": [[0.5], [0.5], [0.5]],
         "object_states": {"box": {"pose": vec![identity; 4], "twist": vec![[0.0; 6]; 4], "accel": vec![[0.0; 6]; 3]}},
+        "costs": {"terms": ["time", "force"], "per_interval": [[0.05, 2.0], [0.05, 2.0], [0.1, 8.0]], "end": {"goal": -0.5}},
         "margins": {"friction": [0.4, 0.0]}, "summary": "two phases"
     })
 }

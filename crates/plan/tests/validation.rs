@@ -75,6 +75,25 @@ fn torque_at_speed_is_of_joints_that_exist_and_falls_beyond_the_corner() {
 }
 
 #[test]
+fn costs_have_a_number_per_interval_and_term() {
+    let with = |change: fn(&mut plan::Costs)| {
+        fault(|p| change(p.costs.as_mut().expect("the sample has costs")))
+    };
+    assert_eq!(
+        with(|c| c.per_interval.truncate(2)),
+        "costs.per_interval: 2 rows, expected 3"
+    );
+    assert_eq!(
+        with(|c| c.per_interval[1].push(0.0)),
+        "costs.per_interval[1]: 3 numbers, expected 2"
+    );
+    let twice = with(|c| c.terms[1] = "time".into());
+    assert!(twice.starts_with("costs.terms[1]: "), "{twice}");
+    let end = with(|c| *c.end.get_mut("goal").unwrap() = f64::NAN);
+    assert!(end.starts_with("costs.end[0]: "), "{end}");
+}
+
+#[test]
 fn a_plan_without_intervals_is_a_fault() {
     let mut plan = sample();
     plan.phases.clear();

@@ -62,8 +62,8 @@ pub use goal::{Goal, GoalPair};
 pub use graph::{GraphOptions, Node, SkeletonGraph, StateId, Successor};
 pub use manipulation::Manipulation;
 pub use search::{
-    BestFirst, Costs, Ending, Oracle, Policy, Rollouts, SearchLimits, Sequence, Status, TreeSearch,
-    Verdict,
+    BestFirst, Costs, Ending, Oracle, Policy, Rollouts, SearchLimits, Sequence, Statistics, Status,
+    TreeSearch, Verdict,
 };
 pub use successors::successors;
 pub use task::{Change, Condition, Fact, FactSet, Operator, Task};

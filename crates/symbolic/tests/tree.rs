@@ -80,6 +80,48 @@ fn what_pays_is_tried_more_often() {
     );
 }
 
+#[test]
+fn statistics_are_the_visits_and_the_mean_rewards_of_every_beginning() {
+    let mut search = tree(4);
+    let told = paid(&mut search, 1, |_| 0.8);
+    let all = search.statistics(&told[0].states);
+    assert_eq!(all.len(), 1, "the tree is its root, the rest was a walk");
+    assert_eq!((all[0].visits, all[0].value), (1, 0.8));
+    let next = search.next(&mut AcceptAll).expect("another sequence");
+    let open = search.statistics(&next.states);
+    assert_eq!((open[0].visits, open[0].value), (2, 0.4), "not told yet");
+    search.learn(&next.states, 0.4);
+    let told = search.statistics(&next.states);
+    assert_eq!(told.len(), 2);
+    assert!((told[0].value - 0.6).abs() < 1e-12);
+    assert_eq!((told[1].visits, told[1].value), (1, 0.4));
+
+    let worth = |s: &Sequence| 1.0 / s.states.len() as f64;
+    let mut found = vec![next];
+    found.extend(paid(&mut search, 300, worth));
+    let rewards = 0.8 + 0.4 + found[1..].iter().map(worth).sum::<f64>();
+    let root = search.statistics(&found[0].states)[0];
+    assert!(root.visits >= 302, "{root:?}");
+    let sum = f64::from(root.visits) * root.value;
+    assert!(sum > rewards - 1e-9, "{sum}, {rewards} were told");
+    // Every descent but the first went on to a child, and from there on.
+    let seconds: BTreeSet<_> = found.iter().map(|s| s.states[..2].to_vec()).collect();
+    let of = |beginning: &Vec<ContactState>| search.statistics(beginning).get(1).copied();
+    let children: Vec<_> = seconds.iter().filter_map(of).collect();
+    assert!(children.len() > 3);
+    let visits: u32 = children.iter().map(|x| x.visits).sum();
+    assert_eq!(visits + 1, root.visits);
+    let sums = children.iter().map(|x| f64::from(x.visits) * x.value);
+    assert!((sums.sum::<f64>() + 0.8 - sum).abs() < 1e-9);
+}
+
+#[test]
+fn searches_without_a_tree_have_no_statistics() {
+    let mut search = best_first(pick_place());
+    let sequence = search.next(&mut AcceptAll).expect("a sequence");
+    assert!(search.statistics(&sequence.states).is_empty());
+}
+
 /// Refuses the right hand.
 struct NoRight;
 

@@ -4,14 +4,14 @@ use crate::compact::{Table, all_rounded, rounded};
 use crate::loads::loads;
 use crate::motion::{Carrier, Motion};
 use crate::page_data::{
-    AxisData, CheckData, ContactData, FormData, InterfaceData, JointData, MarginData, ObjectData,
-    PhaseData, PlanData, RegionData, RobotData, RowData, ShapeData, StaticData,
+    AxisData, CheckData, ContactData, CostsData, FormData, InterfaceData, JointData, MarginData,
+    ObjectData, PhaseData, PlanData, RegionData, RobotData, RowData, ShapeData, StaticData,
 };
 use crate::robot::{Look, looks};
 use crate::torques::TorqueLimits;
 use check::{Report, Series};
 use multibody::{JointKind, Shape};
-use plan::{ContactType, Geometry, Integrator, Plan, Status};
+use plan::{ContactType, Costs, Geometry, Integrator, Plan, Status};
 use spatial::Pose;
 
 /// Resolution of positions [m], quaternions and joint angles [rad].
@@ -24,6 +24,8 @@ const TORQUE_STEP: f64 = 0.02;
 const SHARE_STEP: f64 = 1e-3;
 /// Resolution of forces [N] and moments [N m].
 const WRENCH_STEP: f64 = 0.02;
+/// Resolution of costs per second [1/s].
+const COST_RATE_STEP: f64 = 1e-3;
 /// Resolution of time [s].
 const TIME_STEP: f64 = 1e-5;
 /// Residuals below this share of their tolerance all the time get no curve.
@@ -47,6 +49,7 @@ pub(crate) fn plan_data(motion: &Motion, name: &str, verdict: &(Report, Vec<Seri
             .as_ref()
             .map(|x| (x.name.clone(), rounded(x.value, 4))),
         cost: plan.objective.as_ref().and_then(|x| x.cost),
+        costs: plan.costs.as_ref().map(|x| costs_data(plan, x)),
         integrator: match plan.integrator {
             Integrator::Euler => "explicit Euler",
             Integrator::SemiImplicitEuler => "semi-implicit Euler",
@@ -68,6 +71,24 @@ pub(crate) fn plan_data(motion: &Motion, name: &str, verdict: &(Report, Vec<Seri
         check: check_data(verdict),
         quality: plan.extra.get("quality").cloned(),
         explanation: plan.explanation.as_ref().map(|x| x.text.clone()),
+    }
+}
+
+fn costs_data(plan: &Plan, costs: &Costs) -> CostsData {
+    let intervals = plan.time.windows(2).map(|t| t[1] - t[0]);
+    let rates = (costs.per_interval.iter().zip(intervals))
+        .map(|(row, dt)| row.iter().map(|cost| cost / dt).collect::<Vec<_>>());
+    let sum = |i: usize| costs.per_interval.iter().map(|row| row[i]).sum::<f64>();
+    let terms = costs.terms.iter().enumerate();
+    let end = costs.end.iter();
+    CostsData {
+        terms: terms
+            .map(|(i, x)| (x.clone(), rounded(sum(i), 6)))
+            .collect(),
+        rates: Table::new(COST_RATE_STEP, rates),
+        end: end
+            .map(|(x, cost)| (x.clone(), rounded(*cost, 6)))
+            .collect(),
     }
 }
 

@@ -15,6 +15,7 @@ pub(crate) struct PlanData {
     pub generator: String,
     pub objective: Option<(String, f64)>,
     pub cost: Option<f64>,
+    pub costs: Option<CostsData>,
     pub integrator: &'static str,
     pub robot: RobotData,
     pub objects: Vec<ObjectData>,
@@ -40,6 +41,17 @@ pub(crate) struct PlanData {
     /// The plan's own account of its quality, and why it is infeasible.
     pub quality: Option<serde_json::Value>,
     pub explanation: Option<String>,
+}
+
+/// The cost by term.
+#[derive(Debug, Serialize)]
+pub(crate) struct CostsData {
+    /// Names of the terms with their sums.
+    pub terms: Vec<(String, f64)>,
+    /// What each term costs per second, per interval; a column per term.
+    pub rates: Table,
+    /// What counts once, at the end.
+    pub end: Vec<(String, f64)>,
 }
 
 #[derive(Debug, Serialize)]

@@ -34,6 +34,8 @@ function facts(plan: Plan): HTMLElement {
   ];
   for (const object of raw.objects) pairs.push(["Object", `${object.name.replaceAll("_", " ")}, ${short(object.mass)} kg`]);
   if (raw.cost !== null) pairs.push(["Cost", short(raw.cost, 4)]);
+  const terms = raw.costs ? [...raw.costs.terms, ...raw.costs.end].sort((x, y) => Math.abs(y[1]) - Math.abs(x[1])) : [];
+  if (terms.length > 0) pairs.push(["… of which", terms.map(([name, sum]) => `${name.replaceAll("_", " ")} ${short(sum)}`).join(", ")]);
   const goal = raw.goal.map(([a, b]) => `${plan.label(a)} on ${plan.label(b)}`);
   goal.push(...raw.goal_regions.map((region) => `${region.body.replaceAll("_", " ")} in a region`));
   if (goal.length > 0) pairs.unshift(["Goal", goal.join(", ")]);

@@ -10,8 +10,12 @@ export interface Node {
   label: string;
   gained: string[];
   lost: string[];
-  visits: number;
-  value: number;
+  /** Complete sequences through it, and the greatest reward of them. */
+  sequences: number;
+  best: number;
+  /** How often the tree search went through it, and the mean reward of that; unknown outside its tree. */
+  visits?: number;
+  value?: number;
   reached: Stage;
   reason?: string;
   cost?: number;
@@ -19,7 +23,7 @@ export interface Node {
 }
 
 /** As it is in the file: reasons by their index, what is empty or zero left out. */
-type RawNode = Partial<Omit<Node, "reason">> & Pick<Node, "parent" | "value" | "reached" | "seconds"> & { reason?: number };
+type RawNode = Partial<Omit<Node, "reason">> & Pick<Node, "parent" | "best" | "reached" | "seconds"> & { reason?: number };
 
 export interface Sequence {
   number: number;
@@ -73,7 +77,7 @@ export class Search {
       if (!Array.isArray(raw[key])) throw new Error(`the search's list "${key}" is missing`);
     }
     this.nodes = raw.nodes.map((node) => ({
-      label: "", gained: [], lost: [], visits: 0, ...node, reason: node.reason === undefined ? undefined : raw.reasons[node.reason],
+      label: "", gained: [], lost: [], sequences: 0, ...node, reason: node.reason === undefined ? undefined : raw.reasons[node.reason],
     }));
     this.children = raw.nodes.map(() => []);
     this.nodes.forEach((node, i) => {

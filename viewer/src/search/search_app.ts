@@ -86,7 +86,8 @@ export class SearchApp {
     const play = sequence && sequence.plan !== null ? el("button", { class: "show", click: () => this.play(sequence.plan!) }, "▶ Show the motion") : null;
     const facts: [string, string][] = sequence
       ? [["Sequence", `${sequence.number}, at ${short(sequence.at)} s`], ["Reward", percent(sequence.reward)], ["Iterations", `${sequence.iterations} in ${short(sequence.seconds)} s`]]
-      : [["Sequences through it", String(at.visits)], ["Largest reward", percent(at.value)], ["Time", `${short(at.seconds)} s`]];
+      : [["Sequences through it", String(at.sequences)], ["Largest reward", percent(at.best)], ["Time", `${short(at.seconds)} s`]];
+    if (at.visits !== undefined) facts.push(["Visits of the search", String(at.visits)], ["Value, their mean reward", percent(at.value ?? 0)]);
     if (sequence && sequence.cost !== null) facts.push(["Cost", short(sequence.cost, 4)]);
     if (sequence && sequence.violation !== null) facts.push(["Violation", short(sequence.violation, 2)]);
     const reason = sequence?.reason ?? at.reason;

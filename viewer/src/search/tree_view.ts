@@ -60,7 +60,7 @@ export class TreeView {
   private busiest(): number {
     let at = this.search.roots[0] ?? -1;
     while (at >= 0 && this.search.children[at].length > 0) {
-      at = this.search.children[at].reduce((x, y) => (this.search.nodes[y].visits > this.search.nodes[x].visits ? y : x));
+      at = this.search.children[at].reduce((x, y) => (this.search.nodes[y].sequences > this.search.nodes[x].sequences ? y : x));
     }
     return at;
   }
@@ -99,11 +99,11 @@ export class TreeView {
 
   private byPromise(nodes: number[]): number[] {
     const { nodes: all } = this.search;
-    return [...nodes].sort((x, y) => all[y].value - all[x].value || all[y].visits - all[x].visits || x - y);
+    return [...nodes].sort((x, y) => all[y].best - all[x].best || all[y].sequences - all[x].sequences || x - y);
   }
 
   private row(node: number, depth: number, isOpen: boolean, found: boolean): HTMLElement {
-    const { reached, visits, value, cost, reason, label, parent } = this.search.nodes[node];
+    const { reached, sequences, best, visits, value, cost, reason, label, parent } = this.search.nodes[node];
     const children = this.search.children[node].length;
     const sequence = this.search.sequenceOf.get(node);
     const toggle = el("span", { class: "twist", click: (event: MouseEvent) => { event.stopPropagation(); this.toggle(node); } }, children > 0 ? (isOpen ? "▾" : "▸") : "");
@@ -113,8 +113,9 @@ export class TreeView {
       title: `${STAGES[reached].text}${reason ? `\n${reason}` : ""}`, click: () => this.onSelect(node), dblclick: () => this.toggle(node),
     }, toggle, el("i", { class: "state" }), el("span", { class: "change" }, label && parent !== null ? el("b", {}, `${label}: `) : null, this.search.change(node)),
     el("span", { class: "reason" }, reached === "feasible" || !reason ? "" : plain(reason)),
-    el("span", { class: "meta" }, sequence ? `#${sequence.number}` : children > 0 ? `${visits} tried` : ""),
-    el("span", { class: "worth", title: `largest reward ${percent(value)}` }, el("i", { style: `width:${100 * value}%` })),
+    el("span", { class: "meta" }, sequence ? `#${sequence.number}` : children > 0 ? `${sequences} tried` : ""),
+    el("span", { class: "meta visits", title: "visits of the tree search × their mean reward" }, visits !== undefined ? `${visits} × ${percent(value ?? 0)}` : ""),
+    el("span", { class: "worth", title: `largest reward ${percent(best)}` }, el("i", { style: `width:${100 * best}%` })),
     el("span", { class: "meta" }, cost !== undefined ? `cost ${short(cost)}` : ""));
   }
 

@@ -1,4 +1,5 @@
-// Which curves a plan has: torques, contact forces, use of friction and soles, joint speeds, heights, residuals.
+// Which curves a plan has: torques, contact forces, use of friction and soles, joint speeds, heights, cost,
+// residuals.
 
 import { LINES, type Colors } from "../colors";
 import { decode, type Contact, type Plan, type Rows } from "../data";
@@ -19,6 +20,7 @@ export function charts(plan: Plan, colors: Colors): Chart[] {
     ...one({ title: "Centre of pressure / half size of the patch", unit: "", share: true, low: 0, limit: 1, curves: perContact(plan, colors, (contact, i) => soleShare(plan, contact, i)) }),
     ...one({ title: "Joint speed / limit, fastest joints", unit: "", share: true, low: 0, limit: 1, curves: speedShares(plan) }),
     ...one({ title: "Height of base and centre of mass", unit: "m", curves: heights(plan) }),
+    ...one({ title: "Cost per second, by term: the areas add up to the cost", unit: "/s", low: 0, curves: costRates(plan) }),
     ...one({ title: "Residual / tolerance of the checker", unit: "", share: true, low: 0, limit: 1, curves: residuals(plan) }),
   ];
 }
@@ -88,6 +90,20 @@ function heights(plan: Plan): Curve[] {
     { name: "base", color: LINES[0], values: Float64Array.from({ length: plan.q.length }, (_, t) => plan.q.at(t, 2)) },
     { name: "centre of mass", color: LINES[3], values: Float64Array.from({ length: plan.com.length }, (_, t) => plan.com.at(t, 2)) },
   ];
+}
+
+/** The terms that cost most over all, and the others together. */
+function costRates(plan: Plan): Curve[] {
+  const terms = (plan.raw.costs?.terms ?? []).map(([name, sum], column) => ({ name: name.replaceAll("_", " "), sum, columns: [column] }));
+  terms.sort((x, y) => y.sum - x.sum);
+  const shown = terms.length > MOST ? terms.slice(0, MOST - 1) : terms;
+  const others = terms.slice(shown.length);
+  if (others.length > 0) shown.push({ name: "other terms", sum: others.reduce((sum, x) => sum + x.sum, 0), columns: others.flatMap((x) => x.columns) });
+  return shown.map(({ name, sum, columns }, i) => {
+    const rate = (t: number) => columns.reduce((total, column) => total + plan.costRates.at(t, column), 0);
+    const { length } = plan.costRates;
+    return { name, color: LINES[i % LINES.length], values: Float64Array.from({ length }, (_, t) => rate(t)), amounts: new Float64Array(length).fill(sum), amountUnit: "in all" };
+  });
 }
 
 function residuals(plan: Plan): Curve[] {

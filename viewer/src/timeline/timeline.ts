@@ -66,10 +66,10 @@ export class Timeline {
     const rows = hints.map(({ color, text }) => el("div", {}, color ? el("i", { style: `background:${color}` }) : null, text));
     this.tip.replaceChildren(el("b", {}, `${time.toFixed(2)} s`), ...rows);
     const place = this.root.getBoundingClientRect();
-    const left = Math.min(event.clientX - place.left + 14, place.width - this.tip.offsetWidth - 8);
-    const above = event.clientY - place.top - this.tip.offsetHeight - 10;
-    this.tip.style.left = `${Math.max(4, left)}px`;
-    this.tip.style.top = `${above < -place.top + 4 ? event.clientY - place.top + 16 : above}px`;
+    const left = Math.min(event.clientX + 14, place.right - this.tip.offsetWidth - 8);
+    const above = event.clientY - this.tip.offsetHeight - 10;
+    this.tip.style.left = `${Math.max(place.left + 4, left)}px`;
+    this.tip.style.top = `${above < 4 ? event.clientY + 16 : above}px`;
   }
 
   /** The chart under the pointer, and the pointer's place on it. */

@@ -334,6 +334,7 @@ impl Builder {
             }],
             goal_regions: Vec::new(),
             explanation: None,
+            costs: None,
             phases: self.phases(&loads),
             time: (0..=n).map(|t| t as f64 * DT).collect(),
             q: self.x.iter().map(configuration).collect(),

@@ -142,6 +142,7 @@ impl Run<'_> {
         done: Option<(&Evaluated, f64)>,
     ) {
         self.policy.learn(&sequence.states, reward);
+        let statistics = self.policy.statistics(&sequence.states);
         let motion = done.map(|(motion, _)| motion);
         let kept = motion.filter(|m| m.feasible || self.is_nearest(m.violation));
         let tried = Tried {
@@ -158,6 +159,8 @@ impl Run<'_> {
             iterations: attempt.iterations,
             seconds: attempt.seconds,
             reward,
+            visits: statistics.iter().map(|x| x.visits).collect(),
+            values: statistics.iter().map(|x| rounded(x.value)).collect(),
             point: kept.and_then(|m| Some(PointEntry::new(&m.steps, m.point.as_ref()?))),
         };
         self.checks.journal.note_sequence(tried);
@@ -233,6 +236,11 @@ impl Run<'_> {
             Found::of(planner.scene, &labels, &mut motion, refined)
         })
     }
+}
+
+/// A mean reward as it is written, in millionths.
+fn rounded(value: f64) -> f64 {
+    (value * 1e6).round() / 1e6
 }
 
 /// The name in files.

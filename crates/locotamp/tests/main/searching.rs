@@ -74,6 +74,38 @@ fn a_search_that_was_cut_off_goes_on_from_its_journal_and_comes_to_the_same() {
     let after: Vec<&str> = after.lines().collect();
     assert_eq!(after[..=cut], lines[..=cut], "nothing is asked again");
     assert_eq!(sequences(&after), sequences(&lines));
+
+    // Visits and values too are those of the uninterrupted run, and the last line that has the root counts every reward.
+    let statistics = |lines: &[&str]| -> Vec<(u64, Vec<u64>, Vec<f64>, f64)> {
+        let parse = |line: &&str| serde_json::from_str::<serde_json::Value>(line).expect("JSON");
+        let all = lines.iter().map(parse).filter(|x| x["kind"] == "sequence");
+        all.map(|x| {
+            let list = |key: &str| x[key].as_array().cloned().unwrap_or_default();
+            (
+                x["number"].as_u64().expect("a number"),
+                list("visits")
+                    .iter()
+                    .filter_map(serde_json::Value::as_u64)
+                    .collect(),
+                list("values")
+                    .iter()
+                    .filter_map(serde_json::Value::as_f64)
+                    .collect(),
+                x["reward"].as_f64().expect("a reward"),
+            )
+        })
+        .collect()
+    };
+    let all = statistics(&lines);
+    assert_eq!(statistics(&after), all);
+    let mut told = 0.0;
+    for (number, visits, values, reward) in &all {
+        told += reward;
+        assert!(!visits.is_empty() && visits.len() == values.len());
+        assert!(visits.windows(2).all(|x| x[0] >= x[1]), "{visits:?}");
+        let sum = visits[0] as f64 * values[0];
+        assert!(sum > told - 1e-3, "sequence {number}: {sum}, {told} told");
+    }
 }
 
 #[test]

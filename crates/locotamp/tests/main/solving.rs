@@ -1,6 +1,6 @@
 //! Given sequences.
 
-use locotamp::{Request, solve};
+use locotamp::{Refinement, Request, solve};
 use scene::SequenceFile;
 use std::path::Path;
 
@@ -21,4 +21,50 @@ fn a_long_sequence_has_keyframes_beginning_by_beginning() {
     let solved = solve(&scene, &sequence, &request, &mut |_| true).expect("a planning problem");
     assert!(solved.keyframes.possible, "{:?}", solved.reason);
     assert!(!solved.feasible, "no time for a motion");
+    let plan = solved.best.expect("the motion as far as it got").plan;
+    let end = assert_costs_add_up(&plan);
+    assert!(end.contains(&"goal".into()), "{end:?}");
+}
+
+/// The costs of a plan by interval and term, with those of the end, are its cost; the names of those of the end.
+fn assert_costs_add_up(plan: &plan::Plan) -> Vec<String> {
+    let costs = plan.costs.as_ref().expect("costs");
+    let sum = costs.per_interval.iter().flatten().sum::<f64>() + costs.end.values().sum::<f64>();
+    let objective = plan.objective.as_ref().expect("an objective");
+    let cost = objective.cost.expect("a cost");
+    let rounding = 0.5e-7 * (costs.per_interval.len() * costs.terms.len() + costs.end.len()) as f64;
+    assert!((sum - cost).abs() < rounding, "{sum} of {cost}");
+    let time = costs.terms.iter().position(|x| x == "time").expect("time");
+    for (row, t) in costs.per_interval.iter().zip(plan.time.windows(2)) {
+        assert!((row[time] - (t[1] - t[0])).abs() < 1e-7, "a second costs 1");
+        assert!(row.iter().all(|cost| *cost >= 0.0), "{row:?}");
+    }
+    costs.end.keys().cloned().collect()
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "slow without optimisation")]
+fn the_costs_of_a_solved_sequence_by_interval_and_term_add_up_to_its_cost() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/sequences");
+    let file = SequenceFile::load(folder.join("boxes/squeeze.toml")).expect("a file");
+    let scene = file.load_scene().expect("its scene");
+    let sequence = file.resolve(&scene).expect("a sequence of the scene");
+    for refinement in [None, Some(Refinement::default())] {
+        let request = Request {
+            refinement,
+            ..Request::default()
+        };
+        let solved = solve(&scene, &sequence, &request, &mut |_| true).expect("a planning problem");
+        assert!(solved.feasible, "{:?}", solved.reason);
+        let plan = solved.best.expect("a plan").plan;
+        assert_eq!(assert_costs_add_up(&plan), ["final_posture"]);
+        let terms = &plan.costs.as_ref().expect("costs").terms;
+        assert!(
+            ["object_velocity", "force"]
+                .iter()
+                .all(|x| terms.contains(&(*x).into()))
+        );
+        let rates = terms.contains(&"force_rate".into());
+        assert_eq!(rates, request.refinement.is_some());
+    }
 }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::goal::{BASE, goal_body};
 use super::{Builder, NodeCost};
+use crate::objective::CostTerm;
 use crate::relative::{Body, Carrier, RelativeFrame};
 use crate::resting;
 use crate::settings::Preset;
@@ -52,16 +53,17 @@ impl Builder<'_> {
             }
             let is_last = ends && last == Some(t);
             let share = p.share[p.intervals[t.min(p.intervals.len() - 1)].phase];
-            p.nodes[t].posture = if is_last {
-                w.final_posture
+            (p.nodes[t].posture, p.nodes[t].posture_kind) = if is_last {
+                (w.final_posture, CostTerm::FinalPosture)
             } else {
-                w.posture * share
+                (w.posture * share, CostTerm::Posture)
             };
             let slot = p.nodes[t].slot(0);
             p.nodes[t].costs.push(NodeCost {
                 slot,
                 term: Arc::new(Tilt),
                 weights: vec![w.tilt * share],
+                kind: CostTerm::Tilt,
             });
         }
         if let Some(t) = last.filter(|_| ends) {
@@ -88,6 +90,7 @@ impl Builder<'_> {
             slot,
             term: Arc::new(Height),
             weights: vec![weight],
+            kind: CostTerm::Goal,
         });
     }
 
@@ -131,6 +134,7 @@ impl Builder<'_> {
                         slot,
                         term,
                         weights: vec![weight],
+                        kind: CostTerm::Guide,
                     });
                 }
             }
@@ -167,6 +171,7 @@ impl Builder<'_> {
                                 centred: hand,
                             }),
                             weights: vec![APPROACH],
+                            kind: CostTerm::Guide,
                         });
                     }
                 }

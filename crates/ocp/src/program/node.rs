@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::objective::CostTerm;
 use crate::terms::PoseTerm;
 
 /// Rows of a pose term at a node.
@@ -28,6 +29,8 @@ pub struct NodeCost {
     pub term: Arc<dyn PoseTerm>,
     /// Weight per row.
     pub weights: Vec<f64>,
+    /// As what it counts.
+    pub kind: CostTerm,
 }
 
 /// One node.
@@ -45,6 +48,8 @@ pub struct Node {
     pub costs: Vec<NodeCost>,
     /// Weight of the posture cost.
     pub posture: f64,
+    /// As what that counts.
+    pub posture_kind: CostTerm,
 }
 
 impl Node {

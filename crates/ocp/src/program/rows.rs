@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::label::label;
 use super::{Builder, NodeCost, NodeTerm, Phase, RowLabel, Subject};
 use crate::collision::{Clearances, CollisionModel};
+use crate::objective::CostTerm;
 use crate::settings::Preset;
 use crate::terms::PoseTerm;
 use solver::BlockStructure;
@@ -73,6 +74,7 @@ impl Builder<'_> {
                     slot,
                     term: pair.term,
                     weights,
+                    kind: CostTerm::Collision,
                 });
             } else {
                 let label = label("clearance", Subject::Pair(pair.a, pair.b), 1.0, "m");

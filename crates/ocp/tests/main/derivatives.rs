@@ -1,7 +1,7 @@
 //! Every derivative of the assembled program against central differences of its values.
 
 use crate::scenes::{program, program_with};
-use ocp::{Grid, Integrator, Point, Preset, Trajectory};
+use ocp::{CostTerm, Grid, Integrator, Point, Preset, Trajectory};
 use solver::{ElementData, Problem};
 use spatial::Random;
 
@@ -159,6 +159,38 @@ fn programs_with_velocities_as_unknowns_match_central_differences() {
             assert!(labels.iter().any(|l| l.category == "torque at speed"));
             check_program(seed, program);
         }
+    }
+}
+
+#[test]
+fn the_terms_of_the_cost_are_the_objective() {
+    let mut seen = Vec::new();
+    let cases = [
+        (Grid::Motion, Preset::Default, Integrator::Euler),
+        (
+            Grid::Motion,
+            Preset::Default,
+            Integrator::ConstantAcceleration,
+        ),
+        (Grid::Motion, Preset::Paper, Integrator::Euler),
+        (Grid::Path, Preset::Default, Integrator::Euler),
+    ];
+    for (grid, preset, integrator) in cases {
+        let (mut trajectory, x) = program_with(1, grid, preset, integrator);
+        let objective = evaluate(&mut trajectory, &x).objective;
+        let mut sum = 0.0;
+        for t in 0..trajectory.program.n_intervals() {
+            let costs = trajectory.cost_terms(&x, t);
+            sum += costs.sum;
+            let terms = CostTerm::ALL.map(|term| costs.of(term));
+            let difference = terms.iter().sum::<f64>() - costs.sum;
+            assert!(difference.abs() < 1e-12 * (1.0 + costs.sum.abs()));
+            seen.extend((CostTerm::ALL.into_iter()).filter(|term| costs.of(*term) != 0.0));
+        }
+        assert_eq!(sum, objective, "{grid:?}, {preset:?}, {integrator:?}");
+    }
+    for term in [CostTerm::Tilt, CostTerm::FinalPosture, CostTerm::ForceRate] {
+        assert!(seen.contains(&term), "{term:?}");
     }
 }
 

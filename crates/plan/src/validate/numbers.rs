@@ -55,6 +55,10 @@ impl Faults {
         self.finite_rows("h", &plan.h);
         self.finite_rows("a", &plan.a);
         self.finite_rows("tau", &plan.tau);
+        if let Some(costs) = &plan.costs {
+            self.finite_rows("costs.per_interval", &costs.per_interval);
+            self.finite("costs.end", costs.end.values());
+        }
         for (name, states) in &plan.object_states {
             self.finite_rows(&format!("object_states.{name}.pose"), &states.pose);
             self.finite_rows(&format!("object_states.{name}.twist"), &states.twist);

@@ -22,7 +22,7 @@ pub use best_first::BestFirst;
 pub use costs::{Costs, EndCost, ExtraCost, Step};
 pub use limits::{Ending, SearchLimits, Status, default_phases};
 pub use oracle::{AcceptAll, Oracle, Verdict};
-pub use policy::Policy;
+pub use policy::{Policy, Statistics};
 pub use rollouts::Rollouts;
 pub use sequence::Sequence;
 pub use tree_search::TreeSearch;

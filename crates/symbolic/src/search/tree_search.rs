@@ -18,7 +18,7 @@ use crate::search::expansion::{Expansion, Ranked, phases};
 use crate::search::limits::{SearchLimits, Status};
 use crate::search::oracle::Oracle;
 use crate::search::outlook::Outlook;
-use crate::search::policy::Policy;
+use crate::search::policy::{Policy, Statistics};
 use crate::search::sequence::{Sequence, states_along};
 use crate::search::verdicts::{Counts, Rejected, Rejection};
 use crate::search::walk::{Walk, Walker};
@@ -336,6 +336,28 @@ impl Policy for TreeSearch {
         if let Some(&at) = self.returned.get(&path) {
             self.pay(at, reward);
         }
+    }
+
+    /// Nodes of the same contact states, reached by different actions, count together.
+    fn statistics(&self, states: &[ContactState]) -> Vec<Statistics> {
+        let graph = &self.walker.expansion.graph;
+        let mut out = Vec::new();
+        let mut here = vec![0];
+        for k in 0..states.len() {
+            here.retain(|&at| *graph.state(self.tree[at].walk.node.state) == states[k]);
+            let sum = |of: fn(&TreeNode) -> f64| here.iter().map(|&at| of(&self.tree[at])).sum();
+            let (visits, value): (f64, f64) = (sum(|n| n.visits), sum(|n| n.value));
+            if visits == 0.0 {
+                break;
+            }
+            out.push(Statistics {
+                visits: visits as u32,
+                value: value / visits,
+            });
+            let children = here.iter().flat_map(|&at| &self.tree[at].children);
+            here = children.copied().collect();
+        }
+        out
     }
 
     fn reject(&mut self, what: Rejected, reason: String) {

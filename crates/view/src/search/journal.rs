@@ -43,6 +43,9 @@ pub(crate) struct Tried {
     pub iterations: usize,
     pub seconds: f64,
     pub reward: f64,
+    /// Per beginning, as far as the search's tree reaches.
+    pub visits: Vec<u32>,
+    pub values: Vec<f64>,
 }
 
 #[derive(Deserialize)]

@@ -18,9 +18,15 @@ pub(crate) struct NodeData {
     pub lost: Vec<String>,
     /// Complete sequences through it.
     #[serde(skip_serializing_if = "is_zero")]
-    pub visits: usize,
+    pub sequences: usize,
     /// Greatest reward of them.
-    pub value: f64,
+    pub best: f64,
+    /// How often the search went through it, when the last sequence through it was told; none outside its tree.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub visits: Option<u32>,
+    /// Mean reward of these visits.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub value: Option<f64>,
     /// How far the best of them, or the beginning itself, got: `open`, `refused` (its own keyframes), `keyframes` (of a
     /// complete sequence), `optimised`, `feasible`.
     pub reached: &'static str,
@@ -91,8 +97,11 @@ pub(crate) fn build(journal: &Journal) -> Tree {
         let (reached, reason) = (stage(&tried.reached), reasons.index(tried.reason.as_ref()));
         for (k, node) in path.iter().enumerate() {
             let node = &mut tree.nodes[*node];
-            node.visits += 1;
-            node.value = node.value.max(tried.reward);
+            node.sequences += 1;
+            node.best = node.best.max(tried.reward);
+            if let (Some(visits), Some(value)) = (tried.visits.get(k), tried.values.get(k)) {
+                (node.visits, node.value) = (Some(*visits), Some(rounded(*value, 4)));
+            }
             node.cost = [node.cost, tried.cost.filter(|_| reached == "feasible")]
                 .into_iter()
                 .flatten()
@@ -217,14 +226,14 @@ mod tests {
     fn sequences_with_the_same_beginning_share_its_nodes_and_the_best_counts() {
         let text = r#"{"kind":"state","states":[["x on y","z on y"]],"possible":false,"reason":"too far","seconds":0.1}
 {"kind":"prefix","states":[["a on b"],["c on d"]],"possible":false,"reason":"no configuration","seconds":1}
-{"kind":"sequence","number":1,"at":2,"labels":["start","grasp"],"states":[["a on b"],["a on b","h on i"]],"reached":"optimised","reason":"friction","cost":9,"seconds":2,"reward":0.4}
-{"kind":"sequence","number":2,"at":5,"labels":["start","grasp","lift"],"states":[["a on b"],["h on i","a on b"],["h on i"]],"reached":"feasible","cost":7,"seconds":3,"reward":0.9}
+{"kind":"sequence","number":1,"at":2,"labels":["start","grasp"],"states":[["a on b"],["a on b","h on i"]],"reached":"optimised","reason":"friction","cost":9,"seconds":2,"reward":0.4,"visits":[1],"values":[0.4]}
+{"kind":"sequence","number":2,"at":5,"labels":["start","grasp","lift"],"states":[["a on b"],["h on i","a on b"],["h on i"]],"reached":"feasible","cost":7,"seconds":3,"reward":0.9,"visits":[3,1],"values":[0.45,0.9]}
 "#;
         let tree = build(&Journal::parse(text).unwrap());
         assert_eq!(tree.nodes.len(), 4);
         let [root, refused, grasp, lift] = [0, 1, 2, 3].map(|i| &tree.nodes[i]);
         assert_eq!(
-            (root.visits, root.reached, root.cost),
+            (root.sequences, root.reached, root.cost),
             (2, "feasible", Some(7.0))
         );
         assert_eq!(
@@ -243,9 +252,11 @@ mod tests {
             ("h on i".into(), 0, "grasp")
         );
         assert_eq!(
-            (lift.parent, lift.lost.concat(), lift.value),
+            (lift.parent, lift.lost.concat(), lift.best),
             (Some(2), "a on b".into(), 0.9)
         );
+        let known = [root, refused, grasp, lift].map(|node| node.visits.zip(node.value));
+        assert_eq!(known, [Some((3, 0.45)), None, Some((1, 0.9)), None]);
         assert!((root.seconds - 6.0).abs() < 1e-9);
         assert_eq!(
             (tree.sequences[1].node, tree.refused[0].reason.as_str()),

@@ -1,0 +1,180 @@
+//! The objective of one interval, term by term.
+//!
+//! The terms of an interval are those of its element: time, velocities, accelerations, wrenches and their changes, and the
+//! costs of the nodes that belong to it ([`element_nodes`]). All are non-negative but the last, [`CostTerm::Goal`].
+//! Source: the paper's objective, formulation 2.14; weights in [`crate::Weights`].
+
+use crate::chain::Motion;
+use crate::point::Point;
+use crate::problem::{Trajectory, element_nodes, posture_cost};
+
+/// A term of the objective.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum CostTerm {
+    /// Duration.
+    Time,
+    /// Joint angles about the home posture.
+    #[default]
+    Posture,
+    /// Tilt of the base.
+    Tilt,
+    /// Velocities of the robot.
+    Velocity,
+    /// Accelerations of the robot.
+    Acceleration,
+    /// Velocities of objects.
+    ObjectVelocity,
+    /// Accelerations of objects.
+    ObjectAcceleration,
+    /// Contact wrenches.
+    Force,
+    /// Changes of contact wrenches from one interval to the next.
+    ForceRate,
+    /// Collision penalties of the paper's problem.
+    Collision,
+    /// What guides keyframes and paths, and no motion.
+    Guide,
+    /// Joint angles about the home posture at the last node.
+    FinalPosture,
+    /// The scene's objective at the last node, negative: height of the base, reach of a body.
+    Goal,
+}
+
+impl CostTerm {
+    /// All terms in the order of [`CostTerms::of`].
+    pub const ALL: [Self; 13] = [
+        Self::Time,
+        Self::Posture,
+        Self::Tilt,
+        Self::Velocity,
+        Self::Acceleration,
+        Self::ObjectVelocity,
+        Self::ObjectAcceleration,
+        Self::Force,
+        Self::ForceRate,
+        Self::Collision,
+        Self::Guide,
+        Self::FinalPosture,
+        Self::Goal,
+    ];
+
+    /// True for what counts once, at the last node.
+    pub fn is_at_the_end(self) -> bool {
+        matches!(self, Self::FinalPosture | Self::Goal)
+    }
+
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Time => "time",
+            Self::Posture => "posture",
+            Self::Tilt => "tilt",
+            Self::Velocity => "velocity",
+            Self::Acceleration => "acceleration",
+            Self::ObjectVelocity => "object_velocity",
+            Self::ObjectAcceleration => "object_acceleration",
+            Self::Force => "force",
+            Self::ForceRate => "force_rate",
+            Self::Collision => "collision",
+            Self::Guide => "guide",
+            Self::FinalPosture => "final_posture",
+            Self::Goal => "goal",
+        }
+    }
+}
+
+/// The objective of one interval.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct CostTerms {
+    /// The sum, as the solver sees it.
+    pub sum: f64,
+    terms: [f64; CostTerm::ALL.len()],
+}
+
+impl CostTerms {
+    /// The part of one term.
+    pub fn of(&self, term: CostTerm) -> f64 {
+        self.terms[term as usize]
+    }
+
+    fn add(&mut self, term: CostTerm, value: f64) {
+        self.sum += value;
+        self.terms[term as usize] += value;
+    }
+}
+
+impl Trajectory {
+    /// The objective of interval `t` at a point, term by term.
+    pub fn cost_terms(&mut self, x: &Point, t: usize) -> CostTerms {
+        self.update(x);
+        self.motion(x, t);
+        self.interval_costs(x, t)
+    }
+
+    /// The same; `update` and `motion` have been called.
+    pub(crate) fn interval_costs(&mut self, x: &Point, t: usize) -> CostTerms {
+        let program = &self.program;
+        let interval = &program.intervals[t];
+        let weights = &program.settings.weights;
+        let share = program.share[interval.phase];
+        let s = &mut self.scratch;
+        let Motion { v, a, dt, .. } = &s.chain.motion;
+        let mut costs = CostTerms::default();
+        if interval.dynamics {
+            costs.add(CostTerm::Time, weights.time * dt);
+        }
+        for (i, (wv, wa)) in program.motion_weights.iter().enumerate() {
+            let a = if interval.dynamics { a[i] } else { 0.0 };
+            let (of_v, of_a) = (wv * v[i] * v[i], wa * a * a);
+            let [by_v, by_a] = if i < program.system.robot_nv {
+                [CostTerm::Velocity, CostTerm::Acceleration]
+            } else {
+                [CostTerm::ObjectVelocity, CostTerm::ObjectAcceleration]
+            };
+            costs.sum += 0.5 * share * (of_v + of_a);
+            costs.terms[by_v as usize] += 0.5 * share * of_v;
+            costs.terms[by_a as usize] += 0.5 * share * of_a;
+        }
+        let weight = weights.force * share;
+        for force in &interval.forces {
+            let scaled = &x.wrenches[t][force.first..force.first + force.n];
+            for (l, r) in scaled.iter().zip(&force.reference) {
+                costs.add(CostTerm::Force, 0.5 * weight * (l - r) * (l - r));
+            }
+        }
+        if !interval.changes.is_empty() {
+            let weight = weights.force_rate / share;
+            let first = program.intervals[t + 1].wrench_var;
+            let vars = &program.structure.elements[t].vars;
+            for &(here, next) in &interval.changes {
+                let change = x.wrenches[t + 1][vars[next] - first] - x.wrenches[t][here];
+                costs.add(CostTerm::ForceRate, 0.5 * weight * change * change);
+            }
+        }
+        for node in element_nodes(program, t) {
+            for cost in &program.nodes[node].costs {
+                let pose = &self.nodes[node].relatives[cost.slot].b_from_a;
+                cost.term.values(pose, &mut s.values);
+                let rows = cost.weights.iter().zip(&s.values);
+                costs.add(cost.kind, rows.map(|(w, v)| w * v).sum());
+            }
+            let posture = posture_cost(program, node, &x.nodes[node], |_, _, _| ());
+            costs.add(program.nodes[node].posture_kind, posture);
+        }
+        costs
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_term_has_its_own_place_and_name() {
+        for (i, term) in CostTerm::ALL.into_iter().enumerate() {
+            assert_eq!(term as usize, i);
+            let same = |other: &&CostTerm| other.name() == term.name();
+            assert_eq!(CostTerm::ALL.iter().filter(same).count(), 1);
+        }
+    }
+}
