@@ -159,22 +159,19 @@ impl First {
 
     /// From a point near a solution.
     pub fn near_solution() -> Self {
-        Self {
-            options: Options {
-                initial_barrier: REPAIR_BARRIER,
-                bound_push: REPAIR_PUSH,
-                ..Options::default()
-            },
-            ..Self::cold()
-        }
+        Self::with(REPAIR_BARRIER, REPAIR_PUSH)
     }
 
     /// From the motion on a coarser grid.
     pub fn finer() -> Self {
+        Self::with(FINER_BARRIER, FINER_PUSH)
+    }
+
+    fn with(initial_barrier: f64, bound_push: f64) -> Self {
         Self {
             options: Options {
-                initial_barrier: FINER_BARRIER,
-                bound_push: FINER_PUSH,
+                initial_barrier,
+                bound_push,
                 ..Options::default()
             },
             ..Self::cold()
