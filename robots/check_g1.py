@@ -319,6 +319,25 @@ def check_stance(r, model, robot, shapes, meshes, do_sweep):
 
 # ---------------------------------------------------------------- interfaces
 
+def beyond(plane, points):
+    """How far points reach beyond the plane z = 0 of a frame [m]; negative: all stay behind it."""
+    return ((points - plane.translation) @ plane.rotation)[:, 2].max()
+
+
+def wrist_beyond(model, hand, patch, meshes):
+    """The same of the two joints above a hand, with the hand's joint at the angle where it is least [m]."""
+    data, q = model.createData(), pin.neutral(model)
+    at = model.joints[hand].idx_q
+    above = [model.parents[hand], model.parents[model.parents[hand]]]
+    found = []
+    for q[at] in np.linspace(model.lowerPositionLimit[at], model.upperPositionLimit[at], 40):
+        pin.forwardKinematics(model, data, q)
+        plane = data.oMi[hand] * patch
+        points = [m.vertices @ data.oMi[j].rotation.T + data.oMi[j].translation for j in above for _, m in meshes[j]]
+        found.append(beyond(plane, np.vstack(points)))
+    return min(found)
+
+
 def check_interfaces(r, model, robot, shapes, meshes):
     names = set()
     for i in robot["interface"]:
@@ -342,12 +361,10 @@ def check_interfaces(r, model, robot, shapes, meshes):
             r.line(f"{i['name']}: corners outside the flat part of the mesh", max(0, (corner @ edge[:, :2].T + edge[:, 2]).max()), 0)
             r.line(f"{i['name']}: face of a box from the patch", face, 1e-4)
         else:
-            # The wrist's housing is part of the last link.
-            local = trimesh.util.concatenate([m.copy() for _, m in meshes[frame.parentJoint]])
-            local.apply_transform(patch.inverse().homogeneous)
-            touching = local.vertices[local.vertices[:, 2] > local.vertices[:, 2].max() - 0.003]
-            r.line(f"{i['name']}: plane from the mesh", abs(local.vertices[:, 2].max()), PALM_TOLERANCE)
-            r.line(f"{i['name']}: patch beyond what touches the plane", max(0, hx - np.ptp(touching[:, 0]) / 2), 0)
+            hand = np.vstack([m.vertices for _, m in meshes[frame.parentJoint]])
+            r.line(f"{i['name']}: plane from the mesh", abs(beyond(patch, hand)), PALM_TOLERANCE)
+            wrist = wrist_beyond(model, frame.parentJoint, patch, meshes)
+            r.line(f"{i['name']}: wrist and forearm beyond the plane, at the best of 40 wrist angles", max(0, wrist), PALM_TOLERANCE)
             ahead = [(M.rotation @ (np.array(c) * s[3]) + M.translation)[2] for s, M in box for c in itertools.product((-1, 1), repeat=3)]
             r.line(f"{i['name']}: boxes beyond the plane", max(0, max(ahead)), PALM_TOLERANCE)
     r.holds("interfaces left_foot, right_foot, left_hand, right_hand", names == {"left_foot", "right_foot", "left_hand", "right_hand"})

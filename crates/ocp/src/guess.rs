@@ -2,28 +2,14 @@
 //!
 //! Source: formulation, section 5.
 
-use std::f64::consts::PI;
-
 use crate::point::Point;
 use crate::program::{Phase, Program};
 use crate::resting;
 use crate::system::System;
-use nalgebra::{Vector3, Vector6};
+use nalgebra::Vector3;
 use scene::{Owner, Role, Scene};
-use spatial::Pose;
-use symbolic::{Contact, ContactState};
+use symbolic::Contact;
 
-/// Shares of the way of the base, and turns of the base and of all objects [rad], in the guesses for a lone state.
-const STATE_GUESSES: [(f64, f64, f64); 8] = [
-    (1.0, 0.0, 0.0),
-    (0.0, 0.0, 0.0),
-    (1.0, 0.0, PI),
-    (1.6, 0.0, 0.0),
-    (1.0, 1.0, 0.0),
-    (1.0, -1.0, 0.0),
-    (1.0, 0.0, 0.5 * PI),
-    (1.0, 0.0, -0.5 * PI),
-];
 /// First guess of a phase's duration [s].
 const DURATION: f64 = 0.7;
 /// The same of a phase without contacts of the robot, and of one between another phase and a flight: a push is short.
@@ -288,49 +274,4 @@ fn rise_in_flight(
         }
         first += steps;
     }
-}
-
-/// Configurations near which a lone state may be satisfied, the likeliest first: objects on their supports or where they
-/// start, the base moved along with the feet and with what the hands handle, by more or less of the way, one or the other
-/// turned about the vertical.
-pub fn states(scene: &Scene, system: &System, state: &ContactState) -> Vec<Vec<f64>> {
-    let phase = |state: ContactState| Phase { state, steps: 1 };
-    let start = scene.start_contacts.iter().copied().collect();
-    let phases = [
-        phase(start),
-        phase(ContactState::default()),
-        phase(state.clone()),
-    ];
-    let (from, to) = (
-        system.start(scene),
-        keyframes(scene, system, &phases).swap_remove(3),
-    );
-    let Some(base_to) = to.first_chunk::<7>() else {
-        return vec![to];
-    };
-    let at = |(share, turn, object_turn): (f64, f64, f64)| {
-        let turn = Vector6::new(0.0, 0.0, 0.0, 0.0, 0.0, turn);
-        let mut base = Pose::from_xyzquat(base_to).plus(&turn).to_xyzquat();
-        for i in 0..3 {
-            base[i] = from[i] + share * (to[i] - from[i]);
-        }
-        let mut q = to.clone();
-        q[..7].copy_from_slice(&base);
-        let about_z = Pose::exp(&Vector6::new(0.0, 0.0, 0.0, 0.0, 0.0, object_turn));
-        for o in 0..scene.objects.len() {
-            let first = system.object_q(o);
-            let Some(pose) = q[first..].first_chunk::<7>().map(Pose::from_xyzquat) else {
-                continue;
-            };
-            let turned = Pose::from_parts(about_z.rotation() * pose.rotation(), pose.origin());
-            q[first..first + 7].copy_from_slice(&turned.to_xyzquat());
-        }
-        q
-    };
-    let is_object =
-        |i: symbolic::InterfaceId| matches!(scene.interfaces[i.0].owner, Owner::Object(_));
-    let handled = state.iter().any(|c| is_object(c.a) || is_object(c.b));
-    let guesses = STATE_GUESSES.iter().copied();
-    let useful = guesses.filter(|guess| handled || guess.2 == 0.0);
-    useful.map(at).collect()
 }

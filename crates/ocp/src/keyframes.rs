@@ -19,6 +19,7 @@ use crate::problem::Trajectory;
 use crate::program::{Grid, Phase, Program};
 use crate::resistance::{Pull, pulls, violations};
 use crate::settings::{Preset, Settings};
+use crate::state_guess;
 use solver::{InteriorPoint, Iteration, Options, Problem, Report};
 use symbolic::ContactState;
 
@@ -68,7 +69,7 @@ impl Planner<'_> {
         }];
         let ask = Ask::new(self, &phases, settings, Grid::State);
         let solve = |from: &Vec<f64>| ask.solve(vec![from.clone(); 2], Watched::new()).0;
-        let guesses = guess::states(self.scene, &self.system, state);
+        let guesses = state_guess::states(self.scene, &self.system, state);
         let mut best = solve(&guesses[0]);
         for from in &guesses[1..] {
             if best.possible {

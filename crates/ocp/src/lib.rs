@@ -25,6 +25,7 @@ mod resistance;
 mod resting;
 mod settings;
 mod slip;
+mod state_guess;
 mod states;
 mod system;
 pub mod terms;

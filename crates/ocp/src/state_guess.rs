@@ -1,0 +1,132 @@
+//! Initial guesses for a lone state: configurations near which it may be satisfied, the likeliest first.
+//!
+//! Source: ours.
+
+use std::f64::consts::PI;
+
+use crate::guess;
+use crate::program::Phase;
+use crate::relative::Body;
+use crate::system::System;
+use multibody::Kinematics;
+use nalgebra::{Vector3, Vector6};
+use scene::{Owner, Role, Scene};
+use spatial::Pose;
+use symbolic::{Contact, ContactState};
+
+/// Shares of the way of the base, and turns of the base and of all objects [rad].
+const PLACES: [(f64, f64, f64); 8] = [
+    (1.0, 0.0, 0.0),
+    (0.0, 0.0, 0.0),
+    (1.0, 0.0, PI),
+    (1.6, 0.0, 0.0),
+    (1.0, 1.0, 0.0),
+    (1.0, -1.0, 0.0),
+    (1.0, 0.0, 0.5 * PI),
+    (1.0, 0.0, -0.5 * PI),
+];
+/// Turns of the base about the vertical at the place where hands meet what they hold [rad].
+const MEETINGS: [f64; 3] = [0.0, 0.7, -0.7];
+/// Room between a hand and what it meets [m].
+const ROOM: f64 = 0.05;
+/// Horizontal part of a normal below which it says nothing of a direction.
+const UPRIGHT: f64 = 0.3;
+
+/// Objects on their supports or where they start; the base moved along with the feet and with what the hands handle, by more or
+/// less of the way, one or the other turned about the vertical; or where the hands of the start posture meet what they hold.
+pub fn states(scene: &Scene, system: &System, state: &ContactState) -> Vec<Vec<f64>> {
+    let phase = |state: ContactState| Phase { state, steps: 1 };
+    let start = scene.start_contacts.iter().copied().collect();
+    let phases = [
+        phase(start),
+        phase(ContactState::default()),
+        phase(state.clone()),
+    ];
+    let (from, to) = (
+        system.start(scene),
+        guess::keyframes(scene, system, &phases).swap_remove(3),
+    );
+    let Some(base_to) = to.first_chunk::<7>().map(Pose::from_xyzquat) else {
+        return vec![to];
+    };
+    let at = |&(share, turn, object_turn): &(f64, f64, f64)| {
+        let mut q = with_base(&to, &turned(&base_to, turn));
+        for i in 0..3 {
+            q[i] = from[i] + share * (to[i] - from[i]);
+        }
+        for o in 0..scene.objects.len() {
+            let first = system.object_q(o);
+            if let Some(pose) = q[first..].first_chunk::<7>().map(Pose::from_xyzquat) {
+                let pose = turned(&pose, object_turn);
+                q[first..first + 7].copy_from_slice(&pose.to_xyzquat());
+            }
+        }
+        q
+    };
+    let is_object =
+        |i: symbolic::InterfaceId| matches!(scene.interfaces[i.0].owner, Owner::Object(_));
+    let handled = state.iter().any(|c| is_object(c.a) || is_object(c.b));
+    let mut places = PLACES.iter().filter(|place| handled || place.2 == 0.0);
+    let mut guesses: Vec<_> = places.next().map(at).into_iter().collect();
+    guesses.extend(
+        MEETINGS
+            .iter()
+            .filter_map(|&turn| meeting(scene, system, state, (&to, turn))),
+    );
+    guesses.extend(places.map(at));
+    guesses
+}
+
+fn turned(pose: &Pose, angle: f64) -> Pose {
+    let about_z = Pose::exp(&Vector6::new(0.0, 0.0, 0.0, 0.0, 0.0, angle));
+    Pose::from_parts(about_z.rotation() * pose.rotation(), pose.origin())
+}
+
+/// A configuration with the base where the hands, in the posture of `q`, meet what they touch or hold, in the mean: normals
+/// against normals but for a turn [rad] about the vertical, a little apart; heights only if no foot stands. `None` without hands.
+fn meeting(
+    scene: &Scene,
+    system: &System,
+    state: &ContactState,
+    (q, turn): (&[f64], f64),
+) -> Option<Vec<f64>> {
+    let role = |c: &Contact| scene.interfaces[c.a.0].role;
+    let hands: Vec<_> = state.iter().filter(|c| role(c) == Role::Hand).collect();
+    let mut kinematics = Kinematics::new(&system.model);
+    kinematics.update(&system.model, q);
+    let place = |i: symbolic::InterfaceId| {
+        let interface = &scene.interfaces[i.0];
+        let carrier = system.carrier(interface.owner, &interface.body_from_interface);
+        match carrier.body {
+            Body::World => carrier.body_from_frame,
+            Body::Joint(joint) => kinematics.world_from_joint[joint] * carrier.body_from_frame,
+        }
+    };
+    let (mut hand, mut goal) = (Vector3::zeros(), Vector3::zeros());
+    let (mut along, mut across) = (0.0, 0.0);
+    for contact in &hands {
+        let (a, b) = (place(contact.a), place(contact.b));
+        let (from, to) = (a.rotate(Vector3::z()), -b.rotate(Vector3::z()));
+        along += from.x * to.x + from.y * to.y;
+        across += from.x * to.y - from.y * to.x;
+        hand += a.origin() / hands.len() as f64;
+        goal += (b.origin() - ROOM * to) / hands.len() as f64;
+    }
+    // Vertical normals say nothing of a direction.
+    let tells = along.hypot(across) > UPRIGHT;
+    let about = turn + if tells { across.atan2(along) } else { 0.0 };
+    let base = q.first_chunk::<7>().map(Pose::from_xyzquat)?;
+    let from_hand = turned(&Pose::identity(), about).rotate(base.origin() - hand);
+    let mut origin = goal + from_hand;
+    if state.iter().any(|c| role(&c) == Role::Foot) {
+        origin.z = base.origin().z;
+    }
+    let base = Pose::from_parts(*turned(&base, about).rotation(), origin);
+    (!hands.is_empty()).then(|| with_base(q, &base))
+}
+
+fn with_base(q: &[f64], base: &Pose) -> Vec<f64> {
+    let mut q = q.to_vec();
+    q[..7].copy_from_slice(&base.to_xyzquat());
+    q
+}
