@@ -131,13 +131,9 @@ pub fn solve(
             late = begin.elapsed().as_secs_f64() > request.time_limit;
             !stopped && !late
         };
-        let mut motion = planner.motion(&phases, &settings, &keyframes.nodes, &mut watch);
-        let refinement = request.refines().filter(|_| !motion.feasible);
-        if let Some(refinement) = refinement.filter(|_| refine::may_hold(&motion)) {
-            let from = (&motion, refinement);
-            let fine = refine::hold(&planner, &phases, &settings, from, &mut watch);
-            motion = if fine.feasible { fine } else { motion };
-        }
+        let coarse = planner.motion(&phases, &settings, &keyframes.nodes, &mut watch);
+        let (motion, falls_short) =
+            held(coarse, &planner, &phases, (&settings, request), &mut watch);
         let ended = match (stopped, late) {
             (true, _) => Some("stopped by the caller".to_owned()),
             (_, true) => Some(format!("time limit of {} s", request.time_limit)),
@@ -145,6 +141,9 @@ pub fn solve(
         };
         let ended_early = ended.is_some();
         solved.reason = no_motion(scene, &motion, ended);
+        if falls_short {
+            solved.reason = solved.reason.as_deref().map(refine::on_finer_grid);
+        }
         solved.take_motion(&motion);
         observe(&Event::Optimised {
             number: NUMBER,
@@ -152,7 +151,8 @@ pub fn solve(
             cost: motion.report.objective,
             reason: solved.reason.clone(),
         });
-        if request.explain && !motion.feasible && !ended_early {
+        // On the coarse grid, where trials are made, nothing resists then.
+        if request.explain && !motion.feasible && !ended_early && !falls_short {
             solved.explanation = Some(explain(&case(Failed::Motion(&motion)), begin, observe));
         }
         let (mut motion, refined) = refine::refine(
@@ -172,6 +172,29 @@ pub fn solve(
     }
     solved.seconds = begin.elapsed().as_secs_f64();
     Ok(solved)
+}
+
+/// The motion on the grid on which it must hold, if the request refines motions; the coarse one if that has no solution either,
+/// or is interrupted. True if only the finer grid has none.
+fn held(
+    coarse: Motion,
+    planner: &Planner,
+    phases: &[Phase],
+    (settings, request): (&Settings, &Request),
+    watch: &mut dyn FnMut(&Iteration) -> bool,
+) -> (Motion, bool) {
+    let Some(refinement) = request.refines().filter(|_| refine::may_hold(&coarse)) else {
+        return (coarse, false);
+    };
+    let fine = refine::hold(planner, phases, settings, (&coarse, refinement), watch);
+    let interrupted = fine.report.status == Status::Interrupted;
+    let falls_short = coarse.feasible && !fine.feasible && !interrupted;
+    let motion = if fine.feasible || falls_short {
+        fine
+    } else {
+        coarse
+    };
+    (motion, falls_short)
 }
 
 /// Keyframes from the sequence alone or, unless that ended hopelessly far from satisfying the contacts, as the search finds
