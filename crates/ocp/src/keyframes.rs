@@ -34,6 +34,8 @@ const PROGRESS: f64 = 0.1;
 /// Violation (m, rad) from which no other guess is tried: out of reach, not caught in a local minimum
 /// (benches/runs/2026-11-21-tree-search.md).
 const HOPELESS: f64 = 0.1;
+/// Violation (m, rad) from which no slow attempt is made after two others.
+const FAR: f64 = 0.2;
 /// Phases of a beginning up to which the slow attempts are made too.
 const CAREFUL_PHASES: usize = 8;
 /// Phases that are solved together for a guess.
@@ -153,6 +155,16 @@ impl Planner<'_> {
             ask.attempts().0
         }
     }
+
+    /// The same where keyframes of the first phases are known.
+    pub fn keyframes_of_longer(
+        &self,
+        known: &[Vec<f64>],
+        phases: &[Phase],
+        settings: &Settings,
+    ) -> Keyframes {
+        Ask::new(self, phases, settings, Grid::OpenKeyframes).answer_after(known)
+    }
 }
 
 impl Keyframes {
@@ -196,7 +208,12 @@ impl<'a> Ask<'a> {
     /// short steps, no pull to the home posture at the end and, if clearances resist, with those of all that is near the guess from
     /// the beginning: once a link is inside something, its row may lead out on the wrong side.
     fn answer(&self) -> Keyframes {
-        let (mut best, rows, guesses) = self.attempts();
+        let (best, rows, guesses) = self.attempts();
+        self.carefully(best, rows, guesses)
+    }
+
+    /// The last attempts: short steps from every guess, `rows` says with the clearances of what is near, until one succeeds.
+    fn carefully(&self, mut best: Keyframes, rows: bool, guesses: Vec<Vec<Vec<f64>>>) -> Keyframes {
         let mut settings = self.settings.clone();
         settings.weights.final_posture = settings.weights.posture;
         let careful = Ask {
@@ -229,6 +246,28 @@ impl<'a> Ask<'a> {
         let (second, second_rows) = self.solve(forward.clone(), watched);
         let resist = !first_rows.is_empty() || !second_rows.is_empty();
         (less_violated(first, second), resist, vec![guess, forward])
+    }
+
+    /// Solves from keyframes of the first phases, then from a guess from the sequence alone, then, for few phases and unless both
+    /// ended far from satisfying everything, from both with short steps.
+    fn answer_after(&self, known: &[Vec<f64>]) -> Keyframes {
+        let (planner, phases) = (self.planner, self.phases);
+        let after = planner.guess_after(known, phases);
+        let (from_known, known_rows) = self.solve(after.clone(), self.near(&after, NEAR));
+        if from_known.possible {
+            return from_known;
+        }
+        let guess = guess::keyframes(planner.scene, &planner.system, phases);
+        let (first, first_rows) = self.solve(guess.clone(), Watched::new());
+        if first.possible || first.is_hopeless() {
+            return first;
+        }
+        let rows = !known_rows.is_empty() || !first_rows.is_empty();
+        let best = less_violated(from_known, first);
+        if best.report.violation > FAR || phases.len() > CAREFUL_PHASES {
+            return best;
+        }
+        self.carefully(best, rows, vec![after, guess])
     }
 
     /// Rows of all that is nearer than `distance` [m] at these configurations of the first nodes.

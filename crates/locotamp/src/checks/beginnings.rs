@@ -60,10 +60,9 @@ impl Checks<'_> {
             return found;
         }
         let known = shorter.and_then(|k| self.nodes(&phases[..k]));
-        let from = known.map(|known| planner.keyframes_after(&known, phases, settings, true));
-        let found = match from {
-            Some(from) if from.possible => from,
-            _ => planner.keyframes_of_prefix(phases, settings),
+        let found = match known {
+            Some(known) => planner.keyframes_of_longer(&known, phases, settings),
+            None => planner.keyframes_of_prefix(phases, settings),
         };
         self.remember(phases, &found);
         found
