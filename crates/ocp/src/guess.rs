@@ -3,15 +3,19 @@
 //! Source: formulation, section 5.
 
 use crate::point::Point;
-use crate::program::{Phase, Program};
+use crate::program::{Interval, Phase, Program};
 use crate::resting;
 use crate::system::System;
+use multibody::Kinematics;
 use nalgebra::Vector3;
 use scene::{Owner, Role, Scene};
-use symbolic::Contact;
+use symbolic::{Contact, InterfaceId};
 
-/// First guess of a phase's duration [s].
+/// First guess of a phase's duration at least [s], and of how fast the base moves [m/s] and turns, and joints turn [rad/s], in the
+/// mean of a phase.
 const DURATION: f64 = 0.7;
+const BASE_SPEED: f64 = 0.4;
+const JOINT_SPEED: f64 = 1.0;
 /// The same of a phase without contacts of the robot, and of one between another phase and a flight: a push is short.
 const FLIGHT: f64 = 0.35;
 
@@ -203,18 +207,13 @@ pub fn interpolate(
 /// A point of a program from node configurations: wrenches carry weights, durations are alike but for flights, in which the
 /// base rises and falls.
 pub fn point(program: &Program, scene: &Scene, mut nodes: Vec<Vec<f64>>) -> Point {
-    let wrenches = program
-        .intervals
-        .iter()
-        .map(|interval| {
-            let mut wrench = vec![0.0; interval.n_wrench];
-            for force in &interval.forces {
-                wrench[force.first..force.first + force.n]
-                    .copy_from_slice(&force.reference[..force.n]);
-            }
-            wrench
-        })
-        .collect();
+    let system = &program.system;
+    let mut kinematics = Kinematics::new(&system.model);
+    let mut wrenches = Vec::with_capacity(program.intervals.len());
+    for (interval, q) in program.intervals.iter().zip(&nodes) {
+        kinematics.update(&system.model, q);
+        wrenches.push(wrenches_at_rest(interval, scene, system, &kinematics));
+    }
     let shortest = program.settings.min_duration.max(0.0);
     let longest = program.settings.max_duration.max(shortest);
     let durations = match program.grid {
@@ -222,7 +221,8 @@ pub fn point(program: &Program, scene: &Scene, mut nodes: Vec<Vec<f64>>) -> Poin
             let flights = flights(program, scene);
             let is_flight = |k: usize| flights.get(k) == Some(&true);
             let push = |k: usize| k > 0 && (is_flight(k) || is_flight(k + 1));
-            let durations = (0..flights.len()).map(|k| if push(k) { FLIGHT } else { DURATION });
+            let unhurried = unhurried(program, &nodes);
+            let durations = (0..flights.len()).map(|k| if push(k) { FLIGHT } else { unhurried[k] });
             let durations: Vec<f64> = durations.map(|d| d.clamp(shortest, longest)).collect();
             rise_in_flight(program, scene, &flights, &durations, &mut nodes);
             durations
@@ -240,6 +240,63 @@ pub fn point(program: &Program, scene: &Scene, mut nodes: Vec<Vec<f64>>) -> Poin
         velocities,
         durations,
     }
+}
+
+/// Durations of the phases with which the base and the joints keep to moderate speeds in the mean [s].
+fn unhurried(program: &Program, nodes: &[Vec<f64>]) -> Vec<f64> {
+    let model = &program.system.model;
+    let robot = program.system.robot_nv;
+    let mut first = 0;
+    let duration = |&steps: &usize| {
+        let ways = nodes[first..=first + steps].windows(2);
+        let mut way = vec![0.0; robot];
+        for pair in ways {
+            let moved = model.difference(&pair[0], &pair[1]);
+            way.iter_mut().zip(&moved).for_each(|(w, m)| *w += m.abs());
+        }
+        first += steps;
+        let speed = |i: usize| if i < 3 { BASE_SPEED } else { JOINT_SPEED };
+        let times = way.iter().enumerate().map(|(i, w)| w / speed(i));
+        times.fold(DURATION, f64::max)
+    };
+    program.steps.iter().map(duration).collect()
+}
+
+/// Scaled wrenches with which nothing moves: contacts bear weights along their normals, and what objects stand on takes the
+/// moments of what stands on them about its middle.
+fn wrenches_at_rest(
+    interval: &Interval,
+    scene: &Scene,
+    system: &System,
+    kinematics: &Kinematics,
+) -> Vec<f64> {
+    let mut wrenches = vec![0.0; interval.n_wrench];
+    let place = |i: InterfaceId| system.world_from_interface(&scene.interfaces[i.0], kinematics);
+    let owner = |i: InterfaceId| scene.interfaces[i.0].owner;
+    for force in &interval.forces {
+        wrenches[force.first..force.first + force.n].copy_from_slice(&force.reference[..force.n]);
+        let (Owner::Object(o), 6) = (owner(force.contact.a), force.n) else {
+            continue;
+        };
+        let below = place(force.contact.a);
+        let object = &kinematics.world_from_joint[system.object_joint(o)];
+        let weight = scene.objects[o].mass * scene.gravity;
+        let mut moment = (object.origin() - below.origin()).cross(&weight);
+        for on_it in interval
+            .forces
+            .iter()
+            .filter(|f| owner(f.contact.b) == Owner::Object(o))
+        {
+            let above = place(on_it.contact.a);
+            let load = -above.rotate(on_it.scale[2] * on_it.reference[2] * Vector3::z());
+            moment += (above.origin() - below.origin()).cross(&load);
+        }
+        let moment = below.rotate_inverse(-moment);
+        for i in 0..2 {
+            wrenches[force.first + 3 + i] = moment[i] / force.scale[3 + i];
+        }
+    }
+    wrenches
 }
 
 /// Which phases have no contact of the robot with anything.

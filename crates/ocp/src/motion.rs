@@ -18,9 +18,11 @@ const REPAIRS: usize = 4;
 /// Overlap half-way between two nodes that is tolerated [m].
 const BETWEEN_TOLERANCE: f64 = 0.002;
 /// Violation of a clearance that had no row which is tolerated [m]: a small part of every margin.
-const NEW_TOLERANCE: f64 = 1e-3;
+pub(crate) const NEW_TOLERANCE: f64 = 1e-3;
 /// The same after the last round [m]: less than half of every margin, which a finer grid regains.
 const MISSED_TOLERANCE: f64 = 1e-2;
+/// Violation of such a clearance from which the last solution is no better a start than a coarser grid's motion [m].
+const FAR_OFF: f64 = 0.02;
 /// Barrier parameter and relaxation with which a repair starts from the last solution.
 const REPAIR_BARRIER: f64 = 1e-3;
 const REPAIR_PUSH: f64 = 1e-4;
@@ -305,9 +307,14 @@ impl<'a> Planner<'a> {
                     );
                 let again =
                     self.program(phases, settings, Grid::Motion, near(&point.nodes, &extra));
-                if between || violates_new_rows(&again, &point) {
+                let new = violation_of(&again, &point);
+                if between || new > NEW_TOLERANCE {
                     let most = first.max_iterations;
-                    first = First::after(&trajectory.program, &report, &again);
+                    first = if new > FAR_OFF {
+                        First::finer()
+                    } else {
+                        First::after(&trajectory.program, &report, &again)
+                    };
                     first.max_iterations = most;
                     program = again;
                     continue;
@@ -378,11 +385,11 @@ pub(crate) fn near<'a>(nodes: &'a [Vec<f64>], extra: &'a ExtraClearance) -> Clea
     Clearances::Near { nodes, extra }
 }
 
-/// True if a point violates clearance rows of a program.
-pub(crate) fn violates_new_rows(program: &Program, point: &Point) -> bool {
+/// Largest violation of a program's rows at a point (scaled).
+pub(crate) fn violation_of(program: &Program, point: &Point) -> f64 {
     let mut trajectory = Trajectory::new(program.clone());
     let data = evaluate(&mut trajectory, point);
-    largest_violation(&data, trajectory.structure()) > NEW_TOLERANCE
+    largest_violation(&data, trajectory.structure())
 }
 
 /// What a solver would report of a point that it leaves as it is: no multipliers.

@@ -4,7 +4,7 @@
 use crate::collision::ExtraClearance;
 use crate::guess;
 use crate::keyframes::KEYFRAME_TOLERANCE;
-use crate::motion::{Planner, near, violates_new_rows};
+use crate::motion::{NEW_TOLERANCE, Planner, near, violation_of};
 use crate::problem::Trajectory;
 use crate::program::{Grid, Phase};
 use crate::settings::Settings;
@@ -62,7 +62,9 @@ impl Planner<'_> {
                 &mut |_| true,
             );
             program = self.program(coarse, settings, Grid::Path, near(&point.nodes, &none));
-            if report.violation > KEYFRAME_TOLERANCE || !violates_new_rows(&program, &point) {
+            if report.violation > KEYFRAME_TOLERANCE
+                || violation_of(&program, &point) <= NEW_TOLERANCE
+            {
                 break;
             }
         }

@@ -6,13 +6,12 @@ use std::f64::consts::PI;
 
 use crate::guess;
 use crate::program::Phase;
-use crate::relative::Body;
 use crate::system::System;
 use multibody::Kinematics;
 use nalgebra::{Vector3, Vector6};
 use scene::{Owner, Role, Scene};
 use spatial::Pose;
-use symbolic::{Contact, ContactState};
+use symbolic::{Contact, ContactState, InterfaceId};
 
 /// Shares of the way of the base, and turns of the base and of all objects [rad].
 const PLACES: [(f64, f64, f64); 8] = [
@@ -63,8 +62,7 @@ pub fn states(scene: &Scene, system: &System, state: &ContactState) -> Vec<Vec<f
         }
         q
     };
-    let is_object =
-        |i: symbolic::InterfaceId| matches!(scene.interfaces[i.0].owner, Owner::Object(_));
+    let is_object = |i: InterfaceId| matches!(scene.interfaces[i.0].owner, Owner::Object(_));
     let handled = state.iter().any(|c| is_object(c.a) || is_object(c.b));
     let mut places = PLACES.iter().filter(|place| handled || place.2 == 0.0);
     let mut guesses: Vec<_> = places.next().map(at).into_iter().collect();
@@ -94,14 +92,7 @@ fn meeting(
     let hands: Vec<_> = state.iter().filter(|c| role(c) == Role::Hand).collect();
     let mut kinematics = Kinematics::new(&system.model);
     kinematics.update(&system.model, q);
-    let place = |i: symbolic::InterfaceId| {
-        let interface = &scene.interfaces[i.0];
-        let carrier = system.carrier(interface.owner, &interface.body_from_interface);
-        match carrier.body {
-            Body::World => carrier.body_from_frame,
-            Body::Joint(joint) => kinematics.world_from_joint[joint] * carrier.body_from_frame,
-        }
-    };
+    let place = |i: InterfaceId| system.world_from_interface(&scene.interfaces[i.0], &kinematics);
     let (mut hand, mut goal) = (Vector3::zeros(), Vector3::zeros());
     let (mut along, mut across) = (0.0, 0.0);
     for contact in &hands {

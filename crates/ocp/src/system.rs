@@ -4,9 +4,9 @@
 //! Newton–Euler rows ("eq:torque_constraint", "eq:twist_wrench_dynamics"), each in its own body frame.
 
 use crate::relative::{Body, Carrier};
-use multibody::{Joint, JointKind, Model, ModelError};
+use multibody::{Joint, JointKind, Kinematics, Model, ModelError};
 use nalgebra::Vector3;
-use scene::{Owner, Scene};
+use scene::{Interface, Owner, Scene};
 use spatial::{Inertia, Pose};
 
 /// The system's model and where its parts are.
@@ -100,6 +100,15 @@ impl System {
                 body: Body::World,
                 body_from_frame: *body_from_interface,
             },
+        }
+    }
+
+    /// Pose of an interface in the world.
+    pub fn world_from_interface(&self, interface: &Interface, kinematics: &Kinematics) -> Pose {
+        let carrier = self.carrier(interface.owner, &interface.body_from_interface);
+        match carrier.body {
+            Body::World => carrier.body_from_frame,
+            Body::Joint(joint) => kinematics.world_from_joint[joint] * carrier.body_from_frame,
         }
     }
 

@@ -12,7 +12,7 @@ use crate::terms::{
 use scene::{Owner, Role};
 use solver::BlockStructure;
 use spatial::Pose;
-use symbolic::{Contact, ContactType};
+use symbolic::{Contact, ContactState, ContactType, InterfaceId};
 
 /// A smaller friction coefficient counts as this, so that the cone has an inside.
 const LEAST_FRICTION: f64 = 1e-4;
@@ -25,12 +25,6 @@ impl Builder<'_> {
             return;
         }
         let phase = &phases[self.program.phase_of(t)];
-        let feet = phase
-            .state
-            .contacts
-            .iter()
-            .filter(|c| self.scene.interfaces[c.a.0].role == Role::Foot)
-            .count();
         for &contact in &phase.state.contacts {
             let frame = self.contact_frame(contact);
             let (a, b) = (
@@ -39,20 +33,11 @@ impl Builder<'_> {
             );
             let g = self.scene.gravity.norm();
             let max_force = a.max_force.min(b.max_force);
-            let (force, load) = match a.owner {
-                Owner::Robot { .. } => {
-                    let load = if a.role == Role::Foot {
-                        self.program.system.robot_mass * g / feet as f64
-                    } else {
-                        0.0
-                    };
-                    (a.max_force / 6.0, load)
-                }
-                Owner::Object(o) => {
-                    let weight = self.scene.objects[o].mass * g;
-                    (weight.max(1.0), weight)
-                }
-                Owner::Static(_) => (10.0, 0.0),
+            let load = self.load(&phase.state, contact);
+            let force = match a.owner {
+                Owner::Robot { .. } => a.max_force / 6.0,
+                Owner::Object(_) => load.max(1.0),
+                Owner::Static(_) => 10.0,
             };
             let force = if force.is_finite() {
                 force
@@ -191,18 +176,59 @@ impl Builder<'_> {
         }
     }
 
+    /// What a contact bears in a state in which nothing moves [N]: feet the robot, alike; what an object stands on, alike, the
+    /// object and what stands on it.
+    fn load(&self, state: &ContactState, contact: Contact) -> f64 {
+        self.load_below(state, contact, self.scene.objects.len())
+    }
+
+    /// The same for at most so many objects one above the other.
+    fn load_below(&self, state: &ContactState, contact: Contact, most: usize) -> f64 {
+        let owner = |i: InterfaceId| self.scene.interfaces[i.0].owner;
+        let share_of = |lands: &dyn Fn(&Contact) -> bool| {
+            state.iter().filter(|c| lands(c)).count().max(1) as f64
+        };
+        match owner(contact.a) {
+            Owner::Robot { .. } => {
+                let is_foot = |c: &Contact| self.scene.interfaces[c.a.0].role == Role::Foot;
+                if is_foot(&contact) {
+                    self.robot_weight() / share_of(&is_foot)
+                } else {
+                    0.0
+                }
+            }
+            Owner::Object(o) => {
+                let weight = self.scene.objects[o].mass * self.scene.gravity.norm();
+                let on_it = state.iter().filter(|c| owner(c.b) == Owner::Object(o));
+                let above = |c| {
+                    most.checked_sub(1)
+                        .map(|most| self.load_below(state, c, most))
+                };
+                let loads: f64 = on_it.filter_map(above).sum();
+                (weight + loads) / share_of(&|c| owner(c.a) == Owner::Object(o))
+            }
+            Owner::Static(_) => 0.0,
+        }
+    }
+
+    fn robot_weight(&self) -> f64 {
+        self.program.system.robot_mass * self.scene.gravity.norm()
+    }
+
     /// Largest force of a contact that bears the robot or an object near the phases where it comes or goes [N]. At the beginning
     /// and end of a flight no other contact takes the load over, so there it comes and goes at once.
     fn ramp(&self, t: usize, contact: Contact, phases: &[Phase]) -> f64 {
         let p = &self.program;
         let (a, b) = (
-            self.scene.interfaces[contact.a.0].owner,
-            self.scene.interfaces[contact.b.0].owner,
+            &self.scene.interfaces[contact.a.0],
+            &self.scene.interfaces[contact.b.0],
         );
-        let g = self.scene.gravity.norm();
-        let bears = match (a, b) {
-            (Owner::Robot { .. }, Owner::Static(_)) => p.system.robot_mass * g,
-            (Owner::Object(o), Owner::Static(_)) => self.scene.objects[o].mass * g,
+        let bears = match (a.owner, b.owner) {
+            (Owner::Robot { .. }, Owner::Static(_)) => self.robot_weight(),
+            (Owner::Robot { .. }, _) if a.role == Role::Foot => self.robot_weight(),
+            (Owner::Object(_), Owner::Static(_)) => {
+                self.load(&phases[p.phase_of(t)].state, contact)
+            }
             _ => return f64::INFINITY,
         };
         let along = p.along();

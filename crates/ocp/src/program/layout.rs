@@ -1,6 +1,6 @@
 //! Durations, the variables of every element and the columns of every block.
 
-use super::{Builder, Grid, Interval};
+use super::{Builder, Force, Grid, Interval};
 
 impl Builder<'_> {
     /// Lists the variables of every element and the columns of every block, now that all terms are known.
@@ -144,11 +144,13 @@ impl Builder<'_> {
 }
 
 impl Builder<'_> {
-    /// Appends the wrench variables of the next interval whose contacts are those of this one.
+    /// Appends the wrench variables of the next interval whose contacts are those of this one, if they bear as much: with
+    /// another scale, what they bear changes anyway.
     fn changes(pair: &mut [Interval], vars: &mut Vec<usize>) {
         let [here, next] = pair else { return };
         for force in &here.forces {
-            let Some(same) = next.forces.iter().find(|f| f.contact == force.contact) else {
+            let same = |f: &&Force| f.contact == force.contact && f.scale == force.scale;
+            let Some(same) = next.forces.iter().find(same) else {
                 continue;
             };
             for k in 0..force.n {

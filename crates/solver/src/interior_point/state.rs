@@ -12,7 +12,7 @@ use crate::{Options, Problem};
 /// Relaxation that is given up in one go [scaled rows].
 const CLOSE: f64 = 1e-3;
 /// Least share of the row violation that a step is asked to remove.
-const MIN_DAMPING: f64 = 0.1;
+const MIN_DAMPING: f64 = 0.2;
 /// Violation below which steps ask for all of it.
 const FULL_STEP: f64 = 1e-3;
 /// Forced shift after which no step is hoped for.
