@@ -1,7 +1,8 @@
 // The robot: one group per joint, so that the scene graph does the forward kinematics.
 
 import * as THREE from "three";
-import type { RawPlan, Rows } from "../data";
+import type { RawPlan, Rows, Surface } from "../data";
+import { surfaceGeometry } from "./mesh";
 import { geometry, material, setPose } from "./shapes";
 
 export class RobotView {
@@ -9,7 +10,7 @@ export class RobotView {
   /** Frames of the joints, which move. */
   readonly joints: THREE.Group[] = [];
 
-  constructor(private readonly robot: RawPlan["robot"], ghost = false) {
+  constructor(private readonly robot: RawPlan["robot"], surfaces: Surface[], ghost = false) {
     for (const joint of robot.tree) {
       const place = new THREE.Group();
       setPose(place, joint.pose);
@@ -19,13 +20,19 @@ export class RobotView {
       this.joints.push(moving);
     }
     const materials = new Map<string, THREE.Material>();
+    const paint = (color: string, open: boolean) => {
+      const key = `${color} ${open}`;
+      if (!materials.has(key)) materials.set(key, material(color, ghost ? 0.16 : 1, open));
+      return materials.get(key)!;
+    };
     for (const shape of robot.shapes) {
-      const form = geometry(shape);
+      const isMesh = shape.mesh !== undefined;
+      const form = isMesh ? surfaceGeometry(surfaces[shape.mesh!]) : geometry(shape);
       if (!form) continue;
-      const color = shape.color ?? "#c0c4cc";
-      if (!materials.has(color)) materials.set(color, material(color, ghost ? 0.16 : 1));
-      const mesh = new THREE.Mesh(form, materials.get(color));
+      // Mesh files may be open, or turn triangles inside out.
+      const mesh = new THREE.Mesh(form, paint(shape.color ?? "#c0c4cc", isMesh));
       setPose(mesh, shape.pose);
+      mesh.scale.set(...(shape.mirror ?? [1, 1, 1]));
       mesh.castShadow = mesh.receiveShadow = !ghost;
       (shape.joint === undefined ? this.root : this.joints[shape.joint]).add(mesh);
     }

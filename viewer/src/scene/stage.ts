@@ -48,7 +48,7 @@ export class Stage {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true });
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = THREE.PCFShadowMap;
-    this.robot = new RobotView(plan.raw.robot);
+    this.robot = new RobotView(plan.raw.robot, plan.surfaces);
     this.scene.add(this.robot.root, this.sky, this.sun, this.sun.target, this.ghost);
     this.addBodies(colors);
     const floor = floorHeight(plan);
@@ -102,7 +102,7 @@ export class Stage {
     }
     // Where the goal is the robot's own place, the robot is the ghost.
     if (objects.length > 0) return;
-    const robot = new RobotView(this.plan.raw.robot, true);
+    const robot = new RobotView(this.plan.raw.robot, this.plan.surfaces, true);
     robot.set(this.plan.q, this.plan.q.length - 1, 0);
     this.ghost.add(robot.root);
   }
