@@ -66,6 +66,8 @@ export interface RawPlan {
   cost: number | null;
   costs: { terms: [string, number][]; rates: Table; end: [string, number][] } | null;
   integrator: string;
+  /** Azimuth and elevation from which to look [rad]. */
+  view: [number, number];
   robot: { name: string; mass: number; tree: Joint[]; shapes: Shape[]; joints: Axis[]; notes: string[] };
   objects: { name: string; mass: number; shapes: Shape[]; pose: Table }[];
   environment: { name: string; shapes: Shape[] }[];

@@ -10,6 +10,7 @@ use crate::page_data::{
 };
 use crate::robot::{Form, Look, looks};
 use crate::torques::TorqueLimits;
+use crate::viewpoint::Viewpoint;
 use check::{Report, Series};
 use multibody::{JointKind, Shape};
 use plan::{ContactType, Costs, Geometry, Integrator, Plan, Status};
@@ -41,6 +42,7 @@ pub(crate) fn plan_data(
 ) -> PlanData {
     let plan = motion.plan;
     let limits = TorqueLimits::new(motion);
+    let view = Viewpoint::of(motion);
     let rows = |rows: &[Vec<f64>], from: usize, step| {
         Table::new(step, rows.iter().map(|row| row[from..].to_vec()))
     };
@@ -61,6 +63,7 @@ pub(crate) fn plan_data(
             Integrator::SemiImplicitEuler => "semi-implicit Euler",
             Integrator::ConstantAcceleration => "constant acceleration",
         },
+        view: all_rounded([view.azimuth, view.elevation], 4),
         robot: robot_data(motion, meshes, &limits),
         objects: objects(motion),
         environment: environment(plan),

@@ -26,6 +26,7 @@ mod render;
 mod robot;
 mod search;
 mod torques;
+mod viewpoint;
 
 pub use error::ViewError;
 pub use figures::{Figure, FigureOptions, figures};

@@ -17,6 +17,8 @@ pub(crate) struct PlanData {
     pub cost: Option<f64>,
     pub costs: Option<CostsData>,
     pub integrator: &'static str,
+    /// Azimuth and elevation from which to look [rad].
+    pub view: [f64; 2],
     pub robot: RobotData,
     pub objects: Vec<ObjectData>,
     pub environment: Vec<StaticData>,

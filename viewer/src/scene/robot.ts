@@ -34,7 +34,9 @@ export class RobotView {
       setPose(mesh, shape.pose);
       mesh.scale.set(...(shape.mirror ?? [1, 1, 1]));
       mesh.castShadow = mesh.receiveShadow = !ghost;
-      (shape.joint === undefined ? this.root : this.joints[shape.joint]).add(mesh);
+      const holder = shape.joint === undefined ? this.root : this.joints[shape.joint];
+      holder.add(mesh);
+      if (ghost) holder.add(foremost(mesh));
     }
   }
 
@@ -52,6 +54,16 @@ export class RobotView {
       }
     });
   }
+}
+
+const DEPTH = new THREE.MeshBasicMaterial({ colorWrite: false, transparent: true, side: THREE.DoubleSide });
+
+/** Fills the depth buffer before a transparent mesh is drawn, so that only its foremost surface shows. */
+function foremost(mesh: THREE.Mesh): THREE.Mesh {
+  const depth = mesh.clone();
+  depth.material = DEPTH;
+  [depth.renderOrder, mesh.renderOrder] = [0.4, 0.5];
+  return depth;
 }
 
 const from = new THREE.Quaternion();

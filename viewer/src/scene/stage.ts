@@ -60,6 +60,8 @@ export class Stage {
     this.scene.add(this.floor.root, this.trail.root, this.contacts.root);
     this.addGhost(colors);
     this.addLight(center);
+    // The controls turn about the direction that is up when they are made.
+    this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.enableDamping = false;
     this.controls.maxPolarAngle = 0.53 * Math.PI;
@@ -109,7 +111,7 @@ export class Stage {
 
   private addLight(center: THREE.Vector3): void {
     const reach = 0.5 * this.box.getSize(new THREE.Vector3()).length() + 0.3;
-    const azimuth = this.facing() - 1.5;
+    const azimuth = this.plan.raw.view[0] - 0.55;
     const from = new THREE.Vector3(1.7 * Math.cos(azimuth), 1.7 * Math.sin(azimuth), 3.0);
     this.sun.position.copy(center).addScaledVector(from, Math.max(1, reach));
     this.sun.target.position.copy(center);
@@ -208,19 +210,12 @@ export class Stage {
     this.request();
   }
 
-  /** Heading of the robot at the beginning, about z. */
-  private facing(): number {
-    const [x, y, z, w] = this.plan.q.row(0).slice(3, 7);
-    return Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z));
-  }
-
-  /** The camera looks at everything, obliquely from before the robot. */
+  /** The camera looks at everything, from where little is hidden. */
   home(): void {
     const center = this.box.getCenter(new THREE.Vector3());
-    const [azimuth, elevation] = [this.facing() - 0.95, 0.34];
+    const [azimuth, elevation] = this.plan.raw.view;
     const away = new THREE.Vector3(Math.cos(azimuth) * Math.cos(elevation), Math.sin(azimuth) * Math.cos(elevation), Math.sin(elevation));
     const distance = this.fit(center, away);
-    this.camera.up.set(0, 0, 1);
     this.camera.position.copy(center).addScaledVector(away, distance);
     this.controls.target.copy(center);
     this.controls.update();

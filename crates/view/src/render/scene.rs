@@ -8,6 +8,7 @@ use crate::meshes::{Meshes, Triangle};
 use crate::motion::Motion;
 use crate::palette;
 use crate::robot::{Form, Look, looks};
+use crate::viewpoint::Viewpoint;
 use multibody::Shape;
 use nalgebra::Vector3;
 use plan::{Geometry, Plan, StaticBody};
@@ -15,6 +16,9 @@ use spatial::Pose;
 
 /// Times of the motion at which everything must be in the picture.
 const LOOKS: usize = 12;
+
+/// The lamp stands so far to the viewer's left [rad].
+const LAMP: f64 = 0.55;
 
 /// Of a part with more corners, the camera looks at the corners of the box around them.
 const MANY: usize = 5000;
@@ -87,7 +91,7 @@ pub(crate) struct Scenery<'a> {
 }
 
 impl<'a> Scenery<'a> {
-    /// Gathers the shapes and chooses a place to look from: obliquely from before the robot's first stand.
+    /// Gathers the shapes and chooses a place to look from.
     pub fn new(motion: &'a Motion<'a>, meshes: &Meshes) -> Self {
         let plan = motion.plan;
         let (looks, _) = looks(&motion.model, &plan.robot.urdf, meshes);
@@ -148,12 +152,10 @@ impl<'a> Scenery<'a> {
         }
         self.ground.center = (low + high) / 2.0;
         self.ground.reach = 0.9 * (high - low).norm() + 0.6;
-        let facing = self.motion.world_from_frame(0, 0).rotate(Vector3::x());
-        let heading = facing.y.atan2(facing.x);
-        let direction =
-            |turn: f64, up: f64| Vector3::new((heading + turn).cos(), (heading + turn).sin(), up);
-        self.away = direction(-0.95, 0.36);
-        self.light = direction(-1.5, 1.9);
+        let view = Viewpoint::of(self.motion);
+        self.away = view.away();
+        let lamp = view.azimuth - LAMP;
+        self.light = Vector3::new(lamp.cos(), lamp.sin(), 1.9);
     }
 
     /// A camera that sees the whole motion; the shape of its picture is within `aspects`.
