@@ -158,6 +158,23 @@ fn meshes_that_are_given_are_drawn_in_page_and_figures() {
 }
 
 #[test]
+fn the_page_looks_from_where_no_wall_is_in_the_way() {
+    let view = |wall: Option<Value>| {
+        let plan = changed(|plan| plan["environment"].as_array_mut().unwrap().extend(wall));
+        let view = data(&plan)["view"].take();
+        [0, 1].map(|k| view[k].as_f64().unwrap())
+    };
+    let wall = |x: f64, y: f64| {
+        let shape = serde_json::json!({"box": [0.5, 0.1, 0.8], "pose": [x, y, 0.8, 0, 0, 0, 1]});
+        Some(serde_json::json!({"name": "wall", "geometry": [shape]}))
+    };
+    // The robot looks along x.
+    assert_eq!(view(None), [-0.95, 0.34]);
+    assert_eq!(view(wall(0.5, 0.8)), [-0.95, 0.34], "on the other side");
+    assert_eq!(view(wall(0.5, -0.8)), [0.95, 0.34]);
+}
+
+#[test]
 fn text_of_the_plan_cannot_end_the_data() {
     let plan = sample();
     assert_eq!(page(&plan).matches("</script>").count(), 2);

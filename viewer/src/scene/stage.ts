@@ -17,7 +17,7 @@ export const LAYERS: Layers = { forces: true, cones: true, contacts: true, path:
 
 const THEMES = {
   light: { background: "#eef1f5", line: "#7a8798", shadow: 0.24, sky: "#ffffff", ground: "#b9c0cb", ambient: 1.9, sun: 2.1 },
-  dark: { background: "#161a20", line: "#8fa0b8", shadow: 0.5, sky: "#cfdcf2", ground: "#3a4250", ambient: 1.35, sun: 2.0 },
+  dark: { background: "#161a20", line: "#8fa0b8", shadow: 0.5, sky: "#dbe5f6", ground: "#626d80", ambient: 1.7, sun: 2.0 },
 };
 
 export class Stage {
