@@ -47,16 +47,20 @@ impl MeshOptions {
         Ok(folders)
     }
 
-    /// The meshes of the robots of plans; says on standard error what is left out.
+    /// The meshes of the robots of plans, simplified to `budget` bytes; says on standard error what is left out.
     ///
     /// # Errors
     /// As [`MeshOptions::folders`].
-    pub fn meshes(&self, plans: &[Plan]) -> Result<Meshes, Failure> {
+    pub fn meshes(&self, plans: &[Plan], budget: usize) -> Result<Meshes, Failure> {
         let folders = self.folders()?;
         if folders.is_empty() {
             return Ok(Meshes::default());
         }
-        let meshes = Meshes::load(plans.iter().map(|x| x.robot.urdf.as_str()), &folders);
+        let meshes = Meshes::load(
+            plans.iter().map(|x| x.robot.urdf.as_str()),
+            &folders,
+            budget,
+        );
         warn(&meshes);
         Ok(meshes)
     }

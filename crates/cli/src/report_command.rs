@@ -6,7 +6,7 @@ use crate::{Exit, output, plan_file};
 use clap::Args;
 use std::fs;
 use std::path::PathBuf;
-use view::{FigureOptions, Named};
+use view::{FigureOptions, Meshes, Named};
 
 #[derive(Debug, Args)]
 pub(crate) struct ReportOptions {
@@ -41,8 +41,12 @@ pub(crate) fn run(options: &ReportOptions) -> Result<Exit, Failure> {
         animation: !options.no_animation,
         ..FigureOptions::default()
     };
-    let figures = view::figures(&named, &options.meshes.meshes(&plans)?, &wanted)
-        .map_err(|error| Failure::new(Exit::BadInput, error))?;
+    let figures = view::figures(
+        &named,
+        &options.meshes.meshes(&plans, Meshes::FIGURE)?,
+        &wanted,
+    )
+    .map_err(|error| Failure::new(Exit::BadInput, error))?;
     fs::create_dir_all(&options.out)
         .map_err(|error| Failure::path("make the folder", &options.out, &error))?;
     for figure in figures {

@@ -8,7 +8,7 @@ use clap::Args;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use view::{Named, Run, ViewError};
+use view::{Meshes, Named, Run, ViewError};
 
 #[derive(Debug, Args)]
 pub(crate) struct ViewOptions {
@@ -60,7 +60,10 @@ fn page_of_plans(
     let names = plan_file::names(files);
     let named = plans.iter().zip(&names);
     let named: Vec<_> = named.map(|(plan, name)| Named { name, plan }).collect();
-    Ok(view::plan_page(&named, &wanted.meshes(&plans)?))
+    Ok(view::plan_page(
+        &named,
+        &wanted.meshes(&plans, Meshes::PAGE)?,
+    ))
 }
 
 /// Hands a file to the desktop's opener.

@@ -121,7 +121,7 @@ fn meshes_that_are_given_are_drawn_in_page_and_figures() {
     std::fs::write(folder.path().join("trunk.obj"), tetrahedron).unwrap();
     let plan = with_mesh(r#" scale="0.001 -0.001 0.001""#);
     let folders = [folder.path().to_owned()];
-    let meshes = Meshes::load([plan.robot.urdf.as_str()], &folders);
+    let meshes = Meshes::load([plan.robot.urdf.as_str()], &folders, Meshes::PAGE);
     assert_eq!(meshes.warnings(), [""; 0]);
     let named = [Named {
         name: "it",

@@ -10,6 +10,9 @@ use std::{fs, io};
 /// Larger files are not read [bytes].
 const LARGEST: u64 = 100_000_000;
 
+/// No corner is further away than that [m].
+const FARTHEST: f64 = 1e6;
+
 /// A part of a file with one colour.
 #[derive(Debug)]
 pub(super) struct Piece {
@@ -92,8 +95,8 @@ fn surface(group: &Group, scale: &Vector3<f64>) -> Result<Surface, String> {
     let places: Vec<_> = places
         .map(|x| x.component_mul(scale).add_scalar(0.0))
         .collect();
-    if places.iter().flatten().any(|x| !x.is_finite()) {
-        return Err("a corner is not a number".into());
+    if !places.iter().flatten().all(|x| x.abs() < FARTHEST) {
+        return Err("a corner is no number, or a thousand kilometres away".into());
     }
     let known = |corner: &u32| (*corner as usize) < places.len();
     if !group.faces.iter().flatten().all(known) {

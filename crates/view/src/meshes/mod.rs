@@ -22,9 +22,6 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use surface::Surface;
 
-/// All meshes of a page together take at most so much of it [bytes].
-const BUDGET: usize = 1_500_000;
-
 /// A mesh file at a size: its name in the URDF and the absolute scale, as bits to have an order.
 type Key = (String, [u64; 3]);
 
@@ -59,19 +56,22 @@ pub(crate) enum State {
 }
 
 impl Meshes {
-    /// Reads the visual meshes that `urdfs` name, below `folders`, and simplifies them until they fit into a page.
+    /// All meshes of a page together take at most so much of it [bytes].
+    pub const PAGE: usize = 1_500_000;
+
+    /// The same for figures, whose pictures show less and are drawn without a graphics card [bytes].
+    pub const FIGURE: usize = 400_000;
+
+    /// Reads the visual meshes that `urdfs` name, below `folders`, and simplifies them until they take at most `budget` bytes of
+    /// a page.
     ///
     /// A name is looked for with all of its path below each folder, then with ever less of its beginning: for
     /// `package://robot/meshes/arm.stl` any folder will do that has `robot/meshes/arm.stl`, `meshes/arm.stl` or `arm.stl`.
     /// What cannot be read is left out, see [`Meshes::warnings`].
-    pub fn load<'a>(urdfs: impl IntoIterator<Item = &'a str>, folders: &[PathBuf]) -> Self {
-        Self::within(BUDGET, urdfs, folders)
-    }
-
-    fn within<'a>(
-        budget: usize,
+    pub fn load<'a>(
         urdfs: impl IntoIterator<Item = &'a str>,
         folders: &[PathBuf],
+        budget: usize,
     ) -> Self {
         let mut meshes = Self::default();
         let mut missing = Vec::new();

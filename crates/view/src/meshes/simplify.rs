@@ -276,7 +276,11 @@ pub(super) mod tests {
             let polar = PI * f64::from(i) / f64::from(down);
             let azimuth = 2.0 * PI * f64::from(j % around) / f64::from(around);
             // At the poles all are one place, to the bit.
-            let ring = if i % down == 0 { 0.0 } else { polar.sin() };
+            let ring = if i.is_multiple_of(down) {
+                0.0
+            } else {
+                polar.sin()
+            };
             let [x, y] = [ring * azimuth.cos(), ring * azimuth.sin()];
             Vector3::new(x, y, polar.cos()).add_scalar(0.0) * radius
         };

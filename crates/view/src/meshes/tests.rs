@@ -82,7 +82,7 @@ fn urdf(meshes: &[(&str, &str)]) -> String {
 }
 
 fn loaded(folder: &Path, urdf: &str) -> Meshes {
-    Meshes::load([urdf], &[folder.to_owned()])
+    Meshes::load([urdf], &[folder.to_owned()], Meshes::PAGE)
 }
 
 /// Extent of the only surface of a mesh.
@@ -179,6 +179,7 @@ fn what_cannot_be_read_is_named_once_with_its_remedy() {
     for what in [
         "it.fbx: of a kind that is not read: .stl, .obj and .dae are",
         "a corner that is not there",
+        "no number",
         "no triangle",
         "http:// is not read",
     ] {
@@ -209,7 +210,7 @@ fn meshes_are_simplified_to_the_budget_or_left_out() {
     fs::write(folder.path().join("ball.obj"), text).unwrap();
     let urdf = urdf(&[("ball.obj", "")]);
     let folders = [folder.path().to_owned()];
-    let within = |budget| Meshes::within(budget, [urdf.as_str()], &folders);
+    let within = |budget| Meshes::load([urdf.as_str()], &folders, budget);
     let small = within(8000);
     let State::Drawn([all, left]) = small.state() else {
         panic!("{:?}", small.state())

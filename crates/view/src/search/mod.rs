@@ -73,11 +73,12 @@ impl Run {
     }
 
     /// The run with its robot drawn with meshes below `folders`, as far as it has solutions yet.
+    #[must_use]
     pub fn with_meshes(mut self, folders: &[PathBuf]) -> Self {
         let mut files = self.plan_files().into_iter();
         let plan = files.find_map(|(_, path)| Plan::read(&path).ok());
         let urdf = plan.iter().map(|plan| plan.robot.urdf.as_str());
-        self.meshes = Meshes::load(urdf, folders);
+        self.meshes = Meshes::load(urdf, folders, Meshes::PAGE);
         self
     }
 
