@@ -70,6 +70,25 @@ test("the scene is drawn, in light and dark", async () => {
   assert.ok(backgrounds[0] > 200 && backgrounds[1] < 60, `backgrounds ${backgrounds}`);
 });
 
+test("the camera looks from where the data says, the vertical up, and turns about it", () => on("one", "light", async (page) => {
+  const look = () => page.evaluate(() => {
+    const { stage, plan } = window.locotamp.views[0];
+    const [x, y, z] = stage.camera.position.clone().sub(stage.controls.target).normalize().toArray();
+    const up = stage.camera.up.clone().applyQuaternion(stage.camera.quaternion.clone().invert());
+    return { azimuth: Math.atan2(y, x), elevation: Math.asin(z), side: up.x, view: plan.raw.view };
+  });
+  const { azimuth, elevation, side, view } = await look();
+  assert.ok(Math.abs(azimuth - view[0]) < 1e-3 && Math.abs(elevation - view[1]) < 1e-3, `${azimuth}, ${elevation}, expected ${view}`);
+  assert.ok(Math.abs(side) < 1e-6, "the vertical is upright in the picture");
+  await page.mouse.move(400, 250);
+  await page.mouse.down();
+  await page.mouse.move(500, 250);
+  await page.mouse.up();
+  const turned = await look();
+  assert.ok(turned.azimuth < azimuth - 0.1, "dragging sideways turns");
+  assert.ok(Math.abs(turned.elevation - elevation) < 1e-3 && Math.abs(turned.side) < 1e-6, "about the vertical");
+}));
+
 test("playing moves time and picture, and pausing stops them", () => on("one", "light", async (page) => {
   const first = await picture(page);
   await page.click(".play");

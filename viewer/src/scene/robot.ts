@@ -9,6 +9,7 @@ export class RobotView {
   readonly root = new THREE.Group();
   /** Frames of the joints, which move. */
   readonly joints: THREE.Group[] = [];
+  private readonly materials = new Map<string, THREE.MeshStandardMaterial>();
 
   constructor(private readonly robot: RawPlan["robot"], surfaces: Surface[], ghost = false) {
     for (const joint of robot.tree) {
@@ -19,7 +20,7 @@ export class RobotView {
       (joint.parent === null ? this.root : this.joints[joint.parent]).add(place);
       this.joints.push(moving);
     }
-    const materials = new Map<string, THREE.Material>();
+    const { materials } = this;
     const paint = (color: string, open: boolean) => {
       const key = `${color} ${open}`;
       if (!materials.has(key)) materials.set(key, material(color, ghost ? 0.16 : 1, open));
@@ -39,6 +40,9 @@ export class RobotView {
       if (ghost) holder.add(foremost(mesh));
     }
   }
+
+  /** The colour that everything has where no light falls. */
+  setGlow(color: string): void { this.materials.forEach((material) => material.emissive.set(color)); }
 
   /** Moves to the configuration between rows `node` and `node + 1`. */
   set(q: Rows, node: number, share: number): void {

@@ -16,8 +16,8 @@ export interface Layers { forces: boolean; cones: boolean; contacts: boolean; pa
 export const LAYERS: Layers = { forces: true, cones: true, contacts: true, path: true, ghost: true, follow: false };
 
 const THEMES = {
-  light: { background: "#eef1f5", line: "#7a8798", shadow: 0.24, sky: "#ffffff", ground: "#b9c0cb", ambient: 1.9, sun: 2.1 },
-  dark: { background: "#161a20", line: "#8fa0b8", shadow: 0.5, sky: "#dbe5f6", ground: "#626d80", ambient: 1.7, sun: 2.0 },
+  light: { background: "#eef1f5", line: "#7a8798", shadow: 0.24, sky: "#ffffff", ground: "#b9c0cb", ambient: 1.9, sun: 2.1, glow: "#000000" },
+  dark: { background: "#161a20", line: "#8fa0b8", shadow: 0.5, sky: "#dbe5f6", ground: "#626d80", ambient: 1.7, sun: 2.0, glow: "#22272f" },
 };
 
 export class Stage {
@@ -207,6 +207,8 @@ export class Stage {
     this.sky.groundColor.set(theme.ground);
     this.sky.intensity = theme.ambient;
     this.sun.intensity = theme.sun;
+    // Black robots would be lost before the dark.
+    this.robot.setGlow(theme.glow);
     this.request();
   }
 
