@@ -18,7 +18,7 @@ const ELEVATIONS: [f64; 2] = [0.34, 0.6];
 
 /// Hidden shares that a direction must save: off the usual one; for being steeper; per radian beyond the usual azimuth; and per
 /// radian from behind, where the robot hides what it does.
-const OFF: f64 = 0.08;
+const OFF: f64 = 0.05;
 const STEEP: f64 = 0.04;
 const ASIDE: f64 = 0.1;
 const BEHIND: f64 = 0.3;
