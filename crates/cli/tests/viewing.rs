@@ -77,6 +77,9 @@ fn meshes_are_drawn_where_they_are_found_and_named_where_not() {
     let urdf = urdf.replace("</link>", &visual("bad.stl"));
     plan["robot"]["urdf"] = urdf.into();
     fs::write(path.join("plan.json"), plan.to_string()).unwrap();
+    for entry in fs::read_dir(path.join("plans")).unwrap() {
+        fs::write(entry.unwrap().path(), plan.to_string()).unwrap();
+    }
     fs::create_dir(path.join("hopper")).unwrap();
     fs::write(
         path.join("hopper/good.obj"),
@@ -95,12 +98,13 @@ fn meshes_are_drawn_where_they_are_found_and_named_where_not() {
         said.starts_with("warning: mesh \"package://hopper/bad.stl\": "),
         "{said}"
     );
-    let page = fs::read_to_string(path.join("page.html")).unwrap();
-    assert!(page.contains("\"meshes\":[{\"size\":[3,1]"));
-    assert!(
-        !page.contains(path.to_str().unwrap()),
-        "no path of this machine"
-    );
+    let arguments = ["view", ".", "--meshes", ".", "--out", "search.html"];
+    assert_eq!(stderr(&locotamp(path, &arguments)), said, "of the run too");
+    for file in ["page.html", "search.html"] {
+        let page = fs::read_to_string(path.join(file)).unwrap();
+        assert!(page.contains("\"meshes\":[{\"size\":[3,1]"), "{file}");
+        assert!(!page.contains(path.to_str().unwrap()), "a path in {file}");
+    }
     let message = refused(
         path,
         &[
