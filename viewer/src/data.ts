@@ -12,7 +12,17 @@ export interface Shape {
   cylinder?: [number, number];
   capsule?: [number, number];
   plane?: boolean;
+  /** Index into the page's meshes. */
+  mesh?: number;
+  /** −1 for the axes along which the mesh is mirrored. */
+  mirror?: [number, number, number];
 }
+
+/** A surface: places and faces in base64, the places as whole numbers of 16 bits. */
+export interface Mesh { size: [number, number]; low: number[]; step: number[]; places: string; faces: string }
+
+/** A decoded surface: three coordinates [m] per place, three indices per face. */
+export interface Surface { places: Float32Array; faces: Uint32Array }
 
 export interface Joint { parent: number | null; pose: Pose; kind: "free" | "turn" | "slide"; axis: [number, number, number]; q: number | null }
 
@@ -56,6 +66,8 @@ export interface RawPlan {
   cost: number | null;
   costs: { terms: [string, number][]; rates: Table; end: [string, number][] } | null;
   integrator: string;
+  /** Azimuth and elevation from which to look [rad]. */
+  view: [number, number];
   robot: { name: string; mass: number; tree: Joint[]; shapes: Shape[]; joints: Axis[]; notes: string[] };
   objects: { name: string; mass: number; shapes: Shape[]; pose: Table }[];
   environment: { name: string; shapes: Shape[] }[];
@@ -118,6 +130,35 @@ export function decode(table: Table, place: string): Rows {
   return new Rows(columns, values);
 }
 
+/** The numbers behind base64, of `width` bytes each, the lower byte first. */
+function wholeNumbers(text: string, width: number, place: string): Uint32Array {
+  let bytes: string;
+  try {
+    bytes = atob(text);
+  } catch {
+    throw new Error(`${place} is not base64`);
+  }
+  const numbers = new Uint32Array(bytes.length / width);
+  for (let i = 0; i < numbers.length * width; i++) numbers[Math.floor(i / width)] += bytes.charCodeAt(i) * 256 ** (i % width);
+  return numbers;
+}
+
+/** A surface of the page. */
+export function decodeMesh({ size, low, step, places, faces }: Mesh, place: string): Surface {
+  const whole = wholeNumbers(places, 2, `${place}: places`);
+  const corners = wholeNumbers(faces, size[0] > 65536 ? 4 : 2, `${place}: faces`);
+  if (whole.length !== 3 * size[0] || corners.length !== 3 * size[1]) {
+    throw new Error(`${place}: ${whole.length} coordinates and ${corners.length} corners, expected ${3 * size[0]} and ${3 * size[1]}`);
+  }
+  if (corners.some((corner) => corner >= size[0])) throw new Error(`${place}: a corner is none of the ${size[0]} places`);
+  return { places: Float32Array.from(whole, (x, i) => low[i % 3] + x * step[i % 3]), faces: corners };
+}
+
+/** The surfaces of a page, which it may have none of. */
+export function decodeMeshes(meshes: Mesh[] = []): Surface[] {
+  return meshes.map((mesh, i) => decodeMesh(mesh, `mesh ${i + 1}`));
+}
+
 /** A contact while it is uninterrupted within one phase. */
 export interface Contact {
   a: number;
@@ -147,11 +188,15 @@ export class Plan {
   readonly phases: Phase[] = [];
   readonly phaseOf: number[] = [];
 
-  constructor(readonly raw: RawPlan) {
+  /** `surfaces` are the page's, which shapes of the robot name by index. */
+  constructor(readonly raw: RawPlan, readonly surfaces: Surface[] = []) {
     const name = raw.name ?? "plan";
     for (const key of ["robot", "objects", "environment", "interfaces", "phases", "check"] as const) {
       if (raw[key] === undefined) throw new Error(`${name}: the key "${key}" is missing`);
     }
+    raw.robot.shapes.forEach(({ mesh }, i) => {
+      if (mesh !== undefined && !surfaces[mesh]) throw new Error(`${name}: shape ${i + 1} of the robot has mesh ${mesh + 1}, the page has ${surfaces.length}`);
+    });
     this.time = decode(raw.time, `${name}: time`).values;
     this.q = decode(raw.q, `${name}: q`);
     this.rates = decode(raw.rates, `${name}: rates`);
@@ -224,7 +269,7 @@ export function sameContact(x: { a: number; b: number }, y: { a: number; b: numb
 
 /** Reads the data element of the page. */
 export function readPage(text: string): Plan[] {
-  let page: { format?: string; plans?: RawPlan[] };
+  let page: { format?: string; meshes?: Mesh[]; plans?: RawPlan[] };
   try {
     page = JSON.parse(text);
   } catch (error) {
@@ -232,5 +277,6 @@ export function readPage(text: string): Plan[] {
   }
   if (page.format !== "locotamp.page/1") throw new Error(`the data has the format ${JSON.stringify(page.format)}, expected "locotamp.page/1"`);
   if (!Array.isArray(page.plans) || page.plans.length === 0) throw new Error("there is no plan in the page");
-  return page.plans.map((raw) => new Plan(raw));
+  const surfaces = decodeMeshes(page.meshes);
+  return page.plans.map((raw) => new Plan(raw, surfaces));
 }

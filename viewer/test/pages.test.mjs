@@ -24,8 +24,21 @@ before(async () => {
   const [one, other] = ["squeeze", "hopper"].map((name) => join(folder, name, "plan.json"));
   locotamp("view", one, "--out", pageFile("one"));
   locotamp("view", one, other, "--out", pageFile("two"));
+  meshed(other);
   browser = await launch();
 });
+
+/** A page of the plan with a mesh on its first link: an octahedron 0.6 m wide, cut open at the top, mirrored along y. */
+function meshed(file) {
+  const plan = JSON.parse(readFileSync(file, "utf8"));
+  const mesh = '<visual><geometry><mesh filename="package://it/octahedron.obj" scale="0.3 -0.3 0.3"/></geometry><material name="x"><color rgba="0 0.8 0.2 1"/></material></visual>';
+  plan.robot.urdf = plan.robot.urdf.replace("</link>", `${mesh}</link>`);
+  writeFileSync(join(folder, "meshed.json"), JSON.stringify(plan));
+  const corners = ["1 0 0", "0 1 0", "-1 0 0", "0 -1 0", "0 0 1", "0 0 -1"].map((x) => `v ${x}`);
+  const faces = ["1 2 5", "2 3 5", "3 4 5", "2 1 6", "3 2 6", "4 3 6", "1 4 6"].map((x) => `f ${x}`);
+  writeFileSync(join(folder, "octahedron.obj"), [...corners, ...faces, ""].join("\n"));
+  locotamp("view", join(folder, "meshed.json"), "--meshes", folder, "--out", pageFile("meshed"));
+}
 
 after(async () => {
   await browser?.close();
@@ -56,6 +69,25 @@ test("the scene is drawn, in light and dark", async () => {
   }
   assert.ok(backgrounds[0] > 200 && backgrounds[1] < 60, `backgrounds ${backgrounds}`);
 });
+
+test("the camera looks from where the data says, the vertical up, and turns about it", () => on("one", "light", async (page) => {
+  const look = () => page.evaluate(() => {
+    const { stage, plan } = window.locotamp.views[0];
+    const [x, y, z] = stage.camera.position.clone().sub(stage.controls.target).normalize().toArray();
+    const up = stage.camera.up.clone().applyQuaternion(stage.camera.quaternion.clone().invert());
+    return { azimuth: Math.atan2(y, x), elevation: Math.asin(z), side: up.x, view: plan.raw.view };
+  });
+  const { azimuth, elevation, side, view } = await look();
+  assert.ok(Math.abs(azimuth - view[0]) < 1e-3 && Math.abs(elevation - view[1]) < 1e-3, `${azimuth}, ${elevation}, expected ${view}`);
+  assert.ok(Math.abs(side) < 1e-6, "the vertical is upright in the picture");
+  await page.mouse.move(400, 250);
+  await page.mouse.down();
+  await page.mouse.move(500, 250);
+  await page.mouse.up();
+  const turned = await look();
+  assert.ok(turned.azimuth < azimuth - 0.1, "dragging sideways turns");
+  assert.ok(Math.abs(turned.elevation - elevation) < 1e-3 && Math.abs(turned.side) < 1e-6, "about the vertical");
+}));
 
 test("playing moves time and picture, and pausing stops them", () => on("one", "light", async (page) => {
   const first = await picture(page);
@@ -165,6 +197,44 @@ test("the robot stands where the plan says: every contact's surfaces lie in one 
   assert.ok(worst > 0 && worst < 5e-4, `${worst} m apart`);
 }));
 
+test("meshes are drawn as the files have them", () => on("meshed", "light", async (page) => {
+  const found = await page.evaluate(() => {
+    const { stage } = window.locotamp.views[0];
+    const meshes = [];
+    stage.robot.root.traverse((part) => { if (part.isMesh && part.scale.y < 0) meshes.push(part); });
+    const [{ geometry, material, matrixWorld }] = meshes;
+    const { position, normal } = geometry.attributes;
+    let [width, out] = [0, 1];
+    for (let i = 0; i < position.count; i++) {
+      const place = [position.getX(i), position.getY(i), position.getZ(i)];
+      const side = [normal.getX(i), normal.getY(i), normal.getZ(i)];
+      width = Math.max(width, 2 * Math.abs(place[0]));
+      out = Math.min(out, (place[0] * side[0] + place[1] * side[1] + place[2] * side[2]) / 0.3);
+    }
+    return { count: meshes.length, width, out, corners: position.count, color: material.color.getHexString(), mirrored: matrixWorld.determinant() < 0 };
+  });
+  assert.equal(found.count, 1);
+  assert.ok(Math.abs(found.width - 0.6) < 1e-4, `${found.width} m wide`);
+  assert.equal(found.corners, 21, "seven triangles");
+  assert.ok(found.out > 0.56 && found.out < 0.59, `normals of an octahedron, ${found.out}`);
+  assert.equal(found.color, "00cc33");
+  assert.ok(found.mirrored);
+  // It hides nearly everything of this small robot, and is green.
+  const green = await page.evaluate(() => {
+    const stage = window.locotamp.views[0].stage;
+    stage.draw();
+    const source = stage.renderer.domElement;
+    const copy = Object.assign(document.createElement("canvas"), { width: source.width, height: source.height });
+    const context = copy.getContext("2d");
+    context.drawImage(source, 0, 0);
+    const { data } = context.getImageData(0, 0, copy.width, copy.height);
+    let count = 0;
+    for (let i = 0; i < data.length; i += 4) if (data[i + 1] > 1.5 * data[i] && data[i + 1] > 1.3 * data[i + 2]) count += 1;
+    return count / (data.length / 4);
+  });
+  assert.ok(green > 0.02, `${(100 * green).toFixed(2)} % of the picture are green`);
+}));
+
 test("what limits the motion and where the checker found most is a click away", () => on("one", "light", async (page) => {
   const text = await page.$eval(".panel", (panel) => panel.textContent);
   assert.match(text, /Accepted by the checker/);
@@ -203,6 +273,8 @@ test("a page with damaged data says what is wrong", async () => {
     [damaged((page) => { delete page.plans[0].interfaces; }), /squeeze: the key "interfaces" is missing/],
     [damaged((page) => { page.plans[0].q.data.length -= 36; }), /squeeze: q has 48 rows, expected 49/],
     [damaged((page) => { page.plans[0].tau.data[3] = "x"; }), /squeeze: tau: entry 3 is no number/],
+    [damaged((page) => { page.plans[0].robot.shapes[0].mesh = 0; }), /squeeze: shape 1 of the robot has mesh 1, the page has 0/],
+    [damaged((page) => { page.meshes = [{ size: [3, 1], low: [0, 0, 0], step: [1, 1, 1], places: "AAAA", faces: "AAABAAIA" }]; }), /mesh 1: 1 coordinates and 3 corners, expected 9 and 3/],
     [damaged((page) => { page.plans[0].phases.pop(); }), /squeeze: phases have 32 intervals, time has 48/],
   ];
   for (const [text, message] of cases) {
@@ -216,6 +288,8 @@ test("a page with damaged data says what is wrong", async () => {
 
 test("a page is small and names nothing of the machine that made it", () => {
   assert.ok(statSync(pageFile("two")).size < 1_500_000);
-  const text = readFileSync(pageFile("two"), "utf8");
-  assert.ok(!text.includes(folder) && !text.includes(repository));
+  for (const name of ["two", "meshed"]) {
+    const text = readFileSync(pageFile(name), "utf8");
+    assert.ok(!text.includes(folder) && !text.includes(repository));
+  }
 });

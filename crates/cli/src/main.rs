@@ -11,6 +11,7 @@ mod failure;
 mod folder;
 mod interrupt;
 mod memory;
+mod mesh_options;
 mod output;
 mod plan_command;
 mod plan_file;

@@ -1,11 +1,12 @@
 //! `locotamp report`: the paper's figures of one plan, or of two for comparison.
 
 use crate::failure::Failure;
+use crate::mesh_options::MeshOptions;
 use crate::{Exit, output, plan_file};
 use clap::Args;
 use std::fs;
 use std::path::PathBuf;
-use view::{FigureOptions, Named};
+use view::{FigureOptions, Meshes, Named};
 
 #[derive(Debug, Args)]
 pub(crate) struct ReportOptions {
@@ -21,6 +22,8 @@ pub(crate) struct ReportOptions {
     /// Snapshots of each plan
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u8).range(2..=24))]
     pub snapshots: u8,
+    #[command(flatten)]
+    pub meshes: MeshOptions,
     /// Leave out the animated picture
     #[arg(long)]
     pub no_animation: bool,
@@ -38,8 +41,12 @@ pub(crate) fn run(options: &ReportOptions) -> Result<Exit, Failure> {
         animation: !options.no_animation,
         ..FigureOptions::default()
     };
-    let figures =
-        view::figures(&named, &wanted).map_err(|error| Failure::new(Exit::BadInput, error))?;
+    let figures = view::figures(
+        &named,
+        &options.meshes.meshes(&plans, Meshes::FIGURE)?,
+        &wanted,
+    )
+    .map_err(|error| Failure::new(Exit::BadInput, error))?;
     fs::create_dir_all(&options.out)
         .map_err(|error| Failure::path("make the folder", &options.out, &error))?;
     for figure in figures {

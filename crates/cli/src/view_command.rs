@@ -2,12 +2,13 @@
 
 use crate::Exit;
 use crate::failure::Failure;
+use crate::mesh_options::{self, MeshOptions};
 use crate::plan_file;
 use clap::Args;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use view::{Named, Run, ViewError};
+use view::{Meshes, Named, Run, ViewError};
 
 #[derive(Debug, Args)]
 pub(crate) struct ViewOptions {
@@ -17,6 +18,8 @@ pub(crate) struct ViewOptions {
     /// The HTML file to write
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
+    #[command(flatten)]
+    pub meshes: MeshOptions,
     /// Show it in the browser
     #[arg(long)]
     pub open: bool,
@@ -25,8 +28,8 @@ pub(crate) struct ViewOptions {
 /// Reads the plans, writes the page, opens it if asked.
 pub(crate) fn run(options: &ViewOptions) -> Result<Exit, Failure> {
     let page = match options.plans.as_slice() {
-        [folder] if folder.is_dir() => Run::open(folder).and_then(|run| run.page(false)),
-        files => page_of_plans(files)?,
+        [folder] if folder.is_dir() => page_of_run(folder, &options.meshes)?,
+        files => page_of_plans(files, &options.meshes)?,
     };
     let page = page.map_err(|error| Failure::new(Exit::BadInput, error))?;
     fs::write(&options.out, page).map_err(|error| Failure::path("write", &options.out, &error))?;
@@ -36,13 +39,31 @@ pub(crate) fn run(options: &ViewOptions) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
+/// The page of a search.
+fn page_of_run(folder: &Path, wanted: &MeshOptions) -> Result<Result<String, ViewError>, Failure> {
+    let folders = wanted.folders()?;
+    Ok(Run::open(folder).and_then(|mut run| {
+        if !folders.is_empty() {
+            run = run.with_meshes(&folders);
+            mesh_options::warn(run.meshes());
+        }
+        run.page(false)
+    }))
+}
+
 /// The page of plan files.
-fn page_of_plans(files: &[PathBuf]) -> Result<Result<String, ViewError>, Failure> {
+fn page_of_plans(
+    files: &[PathBuf],
+    wanted: &MeshOptions,
+) -> Result<Result<String, ViewError>, Failure> {
     let plans = plan_file::read_all(files)?;
     let names = plan_file::names(files);
     let named = plans.iter().zip(&names);
     let named: Vec<_> = named.map(|(plan, name)| Named { name, plan }).collect();
-    Ok(view::plan_page(&named))
+    Ok(view::plan_page(
+        &named,
+        &wanted.meshes(&plans, Meshes::PAGE)?,
+    ))
 }
 
 /// Hands a file to the desktop's opener.

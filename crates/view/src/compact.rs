@@ -1,4 +1,4 @@
-//! Tables of numbers over time, written short: whole multiples of a step, each row as its difference from the row before.
+//! Numbers written short. Tables over time are whole multiples of a step, each row as its difference from the row before.
 //!
 //! Rounding is done before the differences are taken, so errors do not add up.
 
@@ -54,9 +54,43 @@ pub(crate) fn all_rounded<const N: usize>(xs: [f64; N], decimals: i32) -> [f64; 
     xs.map(|x| rounded(x, decimals))
 }
 
+/// Bytes as text: RFC 4648, section 4.
+pub(crate) fn base64(bytes: &[u8]) -> String {
+    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::with_capacity(bytes.len() * 4 / 3 + 4);
+    for three in bytes.chunks(3) {
+        let number = (0..3).fold(0u32, |n, k| {
+            n << 8 | u32::from(three.get(k).copied().unwrap_or(0))
+        });
+        for k in 0..4 {
+            let letter = LETTERS[(number >> (18 - 6 * k)) as usize & 63];
+            text.push(if k <= three.len() {
+                char::from(letter)
+            } else {
+                '='
+            });
+        }
+    }
+    text
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn base64_is_that_of_the_rfc() {
+        let cases = [
+            ("", ""),
+            ("f", "Zg=="),
+            ("fo", "Zm8="),
+            ("foo", "Zm9v"),
+            ("foobar", "Zm9vYmFy"),
+        ];
+        for (plain, coded) in cases {
+            assert_eq!(base64(plain.as_bytes()), coded);
+        }
+    }
 
     #[test]
     fn sums_of_the_rows_give_the_rounded_numbers() {

@@ -2,13 +2,15 @@
 
 use crate::compact::{Table, all_rounded, rounded};
 use crate::loads::loads;
+use crate::meshes::Meshes;
 use crate::motion::{Carrier, Motion};
 use crate::page_data::{
     AxisData, CheckData, ContactData, CostsData, FormData, InterfaceData, JointData, MarginData,
     ObjectData, PhaseData, PlanData, RegionData, RobotData, RowData, ShapeData, StaticData,
 };
-use crate::robot::{Look, looks};
+use crate::robot::{Form, Look, looks};
 use crate::torques::TorqueLimits;
+use crate::viewpoint::Viewpoint;
 use check::{Report, Series};
 use multibody::{JointKind, Shape};
 use plan::{ContactType, Costs, Geometry, Integrator, Plan, Status};
@@ -32,9 +34,15 @@ const TIME_STEP: f64 = 1e-5;
 const VISIBLE_RESIDUAL: f64 = 0.01;
 
 /// The data of one plan under the name by which the reader calls it.
-pub(crate) fn plan_data(motion: &Motion, name: &str, verdict: &(Report, Vec<Series>)) -> PlanData {
+pub(crate) fn plan_data(
+    motion: &Motion,
+    meshes: &Meshes,
+    name: &str,
+    verdict: &(Report, Vec<Series>),
+) -> PlanData {
     let plan = motion.plan;
     let limits = TorqueLimits::new(motion);
+    let view = Viewpoint::of(motion);
     let rows = |rows: &[Vec<f64>], from: usize, step| {
         Table::new(step, rows.iter().map(|row| row[from..].to_vec()))
     };
@@ -55,7 +63,8 @@ pub(crate) fn plan_data(motion: &Motion, name: &str, verdict: &(Report, Vec<Seri
             Integrator::SemiImplicitEuler => "semi-implicit Euler",
             Integrator::ConstantAcceleration => "constant acceleration",
         },
-        robot: robot_data(motion, &limits),
+        view: all_rounded([view.azimuth, view.elevation], 4),
+        robot: robot_data(motion, meshes, &limits),
         objects: objects(motion),
         environment: environment(plan),
         interfaces: interfaces(motion),
@@ -120,9 +129,9 @@ fn continuous<'r>(rows: impl Iterator<Item = &'r [f64]>, at: usize) -> Vec<Vec<f
     .collect()
 }
 
-fn robot_data(motion: &Motion, limits: &TorqueLimits) -> RobotData {
+fn robot_data(motion: &Motion, meshes: &Meshes, limits: &TorqueLimits) -> RobotData {
     let (plan, model) = (motion.plan, &motion.model);
-    let (looks, mut notes) = looks(model, &plan.robot.urdf);
+    let (looks, mut notes) = looks(model, &plan.robot.urdf, meshes);
     notes.extend(model.notes.iter().cloned());
     let tree = model.joints.iter().zip(&motion.columns);
     let axis = |(j, name): (usize, &String)| {
@@ -170,24 +179,36 @@ fn shape_data(motion: &Motion, look: &Look) -> ShapeData {
     let [r, g, b] = look
         .color
         .map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8);
+    let (form, mirror) = match &look.form {
+        Form::Primitive(shape) => (primitive(shape), None),
+        Form::Surface { index, mirror } => {
+            let mirrored = mirror.iter().any(|x| *x < 0.0);
+            (FormData::Mesh(*index), mirrored.then_some(*mirror))
+        }
+    };
     ShapeData {
         joint: frame.joint,
-        pose: short_pose(&(frame.joint_from_frame * look.placed.frame_from_shape)),
-        form: match look.placed.shape {
-            Shape::Box { half_size } => FormData::Box(all_rounded(half_size.into(), 5)),
-            Shape::Sphere { radius } => FormData::Sphere(rounded(radius, 5)),
-            Shape::Cylinder {
-                radius,
-                half_length,
-            } => FormData::Cylinder(all_rounded([radius, half_length], 5)),
-            Shape::Capsule {
-                radius,
-                half_length,
-            } => FormData::Capsule(all_rounded([radius, half_length], 5)),
-            // Replaced by rods before; a point that is not seen keeps this total.
-            Shape::Mesh { .. } => FormData::Sphere(0.0),
-        },
+        pose: short_pose(&(frame.joint_from_frame * look.frame_from_shape)),
+        form,
+        mirror,
         color: Some(format!("#{r:02x}{g:02x}{b:02x}")),
+    }
+}
+
+fn primitive(shape: &Shape) -> FormData {
+    match *shape {
+        Shape::Box { half_size } => FormData::Box(all_rounded(half_size.into(), 5)),
+        Shape::Sphere { radius } => FormData::Sphere(rounded(radius, 5)),
+        Shape::Cylinder {
+            radius,
+            half_length,
+        } => FormData::Cylinder(all_rounded([radius, half_length], 5)),
+        Shape::Capsule {
+            radius,
+            half_length,
+        } => FormData::Capsule(all_rounded([radius, half_length], 5)),
+        // A surface or rods took its place; a point that is not seen keeps this total.
+        Shape::Mesh { .. } => FormData::Sphere(0.0),
     }
 }
 
@@ -203,6 +224,7 @@ fn geometry(shapes: &[Geometry]) -> Vec<ShapeData> {
             Some(half_size) => FormData::Box(all_rounded(half_size, 5)),
             None => FormData::Plane(true),
         },
+        mirror: None,
         color: None,
     };
     shapes.iter().map(shape).collect()

@@ -2,6 +2,7 @@
 
 use crate::ViewError;
 use crate::convert::plan_data;
+use crate::meshes::{MeshData, Meshes};
 use crate::motion::Motion;
 use crate::page_data::PlanData;
 use check::Options;
@@ -26,28 +27,30 @@ pub struct Named<'a> {
 #[derive(Serialize)]
 struct PageData {
     format: &'static str,
+    meshes: Vec<MeshData>,
     plans: Vec<PlanData>,
 }
 
 /// A page that shows one or several plans, each judged by the checker's `accept` profile. The text is the same for the same
-/// plans and needs nothing else, no network either.
+/// plans and meshes and needs nothing else, no network either. Robots are drawn with `meshes`, where these have theirs.
 ///
 /// # Errors
 /// A plan contradicts itself, or its robot cannot be read.
-pub fn plan_page(plans: &[Named]) -> Result<String, ViewError> {
+pub fn plan_page(plans: &[Named], meshes: &Meshes) -> Result<String, ViewError> {
     let data = PageData {
         format: "locotamp.page/1",
-        plans: plan_datas(plans)?,
+        meshes: meshes.data(),
+        plans: plan_datas(plans, meshes)?,
     };
     Ok(fill(&serde_json::to_string(&data)?))
 }
 
 /// The data of plans with the verdicts on them.
-pub(crate) fn plan_datas(plans: &[Named]) -> Result<Vec<PlanData>, ViewError> {
+pub(crate) fn plan_datas(plans: &[Named], meshes: &Meshes) -> Result<Vec<PlanData>, ViewError> {
     let one = |named: &Named| {
         let motion = Motion::new(named.plan, named.name)?;
         let verdict = check::check_over_time(named.plan, &Options::accept());
-        Ok(plan_data(&motion, named.name, &verdict))
+        Ok(plan_data(&motion, meshes, named.name, &verdict))
     };
     plans.iter().map(one).collect()
 }

@@ -17,6 +17,8 @@ pub(crate) struct PlanData {
     pub cost: Option<f64>,
     pub costs: Option<CostsData>,
     pub integrator: &'static str,
+    /// Azimuth and elevation from which to look [rad].
+    pub view: [f64; 2],
     pub robot: RobotData,
     pub objects: Vec<ObjectData>,
     pub environment: Vec<StaticData>,
@@ -99,6 +101,9 @@ pub(crate) struct ShapeData {
     pub pose: [f64; 7],
     #[serde(flatten)]
     pub form: FormData,
+    /// −1 for the axes along which a mesh is mirrored.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mirror: Option<[f64; 3]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub color: Option<String>,
 }
@@ -116,6 +121,8 @@ pub(crate) enum FormData {
     Capsule([f64; 2]),
     /// A half-space below z = 0.
     Plane(bool),
+    /// Index into the page's meshes.
+    Mesh(usize),
 }
 
 #[derive(Debug, Serialize)]

@@ -4,19 +4,23 @@ mod sample;
 
 use sample::{changed, sample};
 use serde_json::Value;
-use view::{FigureOptions, Named, figures, plan_page};
+use view::{FigureOptions, Meshes, Named, figures, plan_page};
 
 fn page(plan: &plan::Plan) -> String {
-    plan_page(&[Named { name: "it", plan }]).unwrap()
+    plan_page(&[Named { name: "it", plan }], &Meshes::default()).unwrap()
+}
+
+/// The data of the plan inside a page.
+fn data(plan: &plan::Plan) -> Value {
+    data_of(&page(plan))["plans"][0].take()
 }
 
 /// The data inside a page.
-fn data(plan: &plan::Plan) -> Value {
-    let page = page(plan);
+fn data_of(page: &str) -> Value {
     let start = r#"<script id="data" type="application/json">"#;
     let (_, rest) = page.split_once(start).unwrap();
     let (json, _) = rest.split_once("</script>").unwrap();
-    serde_json::from_str::<Value>(json).unwrap()["plans"][0].take()
+    serde_json::from_str(json).unwrap()
 }
 
 /// Column `column` of a table of the page.
@@ -87,25 +91,87 @@ fn the_robot_looks_as_its_urdf_says() {
     assert_eq!(robot["notes"], serde_json::json!([]));
 }
 
+/// The sample with a mesh in the place of the trunk's box.
+fn with_mesh(scale: &str) -> plan::Plan {
+    changed(|plan| {
+        let urdf = plan["robot"]["urdf"].as_str().unwrap();
+        let mesh = format!(r#"<mesh filename="package://robot/trunk.obj"{scale}/>"#);
+        plan["robot"]["urdf"] = urdf.replace(r#"<box size="0.2 0.1 0.3"/>"#, &mesh).into();
+    })
+}
+
 #[test]
 fn links_with_meshes_alone_become_rods_and_the_page_says_so() {
-    let plan = changed(|plan| {
-        let urdf = plan["robot"]["urdf"].as_str().unwrap();
-        let mesh = r#"<mesh filename="package://robot/trunk.stl"/>"#;
-        plan["robot"]["urdf"] = urdf.replace(r#"<box size="0.2 0.1 0.3"/>"#, mesh).into();
-    });
-    let robot = &data(&plan)["robot"];
+    let robot = &data(&with_mesh(""))["robot"];
     assert!(
         robot["shapes"][0]["capsule"].is_array(),
         "{}",
         robot["shapes"]
     );
-    assert!(
-        robot["notes"][0]
-            .as_str()
-            .unwrap()
-            .contains("1 links have only meshes")
+    let note = robot["notes"][0].as_str().unwrap();
+    assert!(note.contains("1 link has only meshes") && note.contains("--meshes DIR"));
+}
+
+#[test]
+fn meshes_that_are_given_are_drawn_in_page_and_figures() {
+    let folder = tempfile::tempdir().unwrap();
+    // A tetrahedron in millimetres.
+    let tetrahedron =
+        "v 0 0 0\nv 300 0 0\nv 0 300 0\nv 0 0 600\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    std::fs::write(folder.path().join("trunk.obj"), tetrahedron).unwrap();
+    let plan = with_mesh(r#" scale="0.001 -0.001 0.001""#);
+    let folders = [folder.path().to_owned()];
+    let meshes = Meshes::load([plan.robot.urdf.as_str()], &folders, Meshes::PAGE);
+    assert_eq!(meshes.warnings(), [""; 0]);
+    let named = [Named {
+        name: "it",
+        plan: &plan,
+    }];
+    let page = data_of(&plan_page(&named, &meshes).unwrap());
+    let mesh = &page["meshes"][0];
+    assert_eq!(mesh["size"], serde_json::json!([4, 4]));
+    // Corners in the order of the triangles: 1, 3, 2, 4. Whole numbers are 0 or 65535.
+    assert_eq!(mesh["places"], "AAAAAAAAAAD//wAA//8AAAAAAAAAAP//");
+    assert_eq!(mesh["faces"], "AAABAAIAAAACAAMAAAADAAEAAgABAAMA");
+    assert_near(
+        &[mesh["step"][2].as_f64().unwrap()],
+        &[0.6 / 65535.0],
+        1e-12,
     );
+    let robot = &page["plans"][0]["robot"];
+    assert_eq!(robot["shapes"][0]["mesh"], 0);
+    assert_eq!(
+        robot["shapes"][0]["mirror"],
+        serde_json::json!([1.0, -1.0, 1.0])
+    );
+    assert_eq!(robot["shapes"][0]["color"], "#ff0033", "the URDF's colour");
+    assert_eq!(robot["notes"], serde_json::json!([]));
+    let options = FigureOptions {
+        snapshots: 2,
+        ..FigureOptions::default()
+    };
+    let drawn = |meshes: &Meshes| figures(&named, meshes, &options).unwrap();
+    let (with, without) = (drawn(&meshes), drawn(&Meshes::default()));
+    assert_eq!(with[0], without[0], "charts are the same");
+    assert_ne!(with[5], without[5], "snapshots are not");
+    assert_ne!(with[6], without[6], "nor is the motion");
+}
+
+#[test]
+fn the_page_looks_from_where_no_wall_is_in_the_way() {
+    let view = |wall: Option<Value>| {
+        let plan = changed(|plan| plan["environment"].as_array_mut().unwrap().extend(wall));
+        let view = data(&plan)["view"].take();
+        [0, 1].map(|k| view[k].as_f64().unwrap())
+    };
+    let wall = |x: f64, y: f64| {
+        let shape = serde_json::json!({"box": [0.5, 0.1, 0.8], "pose": [x, y, 0.8, 0, 0, 0, 1]});
+        Some(serde_json::json!({"name": "wall", "geometry": [shape]}))
+    };
+    // The robot looks along x.
+    assert_eq!(view(None), [-0.95, 0.34]);
+    assert_eq!(view(wall(0.5, 0.8)), [-0.95, 0.34], "on the other side");
+    assert_eq!(view(wall(0.5, -0.8)), [0.95, 0.34]);
 }
 
 #[test]
@@ -128,8 +194,8 @@ fn the_same_plan_gives_the_same_page_and_figures() {
         ..FigureOptions::default()
     };
     assert_eq!(
-        figures(&named, &options).unwrap(),
-        figures(&named, &options).unwrap()
+        figures(&named, &Meshes::default(), &options).unwrap(),
+        figures(&named, &Meshes::default(), &options).unwrap()
     );
 }
 
@@ -154,7 +220,7 @@ fn residuals_stand_beside_the_checkers_verdict() {
 #[test]
 fn what_cannot_be_shown_is_said_with_its_place() {
     let message = |plan: &plan::Plan| {
-        plan_page(&[Named { name: "it", plan }])
+        plan_page(&[Named { name: "it", plan }], &Meshes::default())
             .unwrap_err()
             .to_string()
     };
@@ -202,7 +268,7 @@ fn figures_are_svg_png_and_gif() {
             plan: &plan,
         },
     ];
-    let figures = figures(&named, &FigureOptions::default()).unwrap();
+    let figures = figures(&named, &Meshes::default(), &FigureOptions::default()).unwrap();
     let files: Vec<_> = figures.iter().map(|figure| figure.file.as_str()).collect();
     let expected = [
         "contacts.svg",
@@ -240,6 +306,7 @@ fn torques_of_unknown_joints_are_refused_by_name() {
             name: "it",
             plan: &plan,
         }],
+        &Meshes::default(),
         &options,
     )
     .unwrap_err();

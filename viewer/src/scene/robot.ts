@@ -1,15 +1,17 @@
 // The robot: one group per joint, so that the scene graph does the forward kinematics.
 
 import * as THREE from "three";
-import type { RawPlan, Rows } from "../data";
+import type { RawPlan, Rows, Surface } from "../data";
+import { surfaceGeometry } from "./mesh";
 import { geometry, material, setPose } from "./shapes";
 
 export class RobotView {
   readonly root = new THREE.Group();
   /** Frames of the joints, which move. */
   readonly joints: THREE.Group[] = [];
+  private readonly materials = new Map<string, THREE.MeshStandardMaterial>();
 
-  constructor(private readonly robot: RawPlan["robot"], ghost = false) {
+  constructor(private readonly robot: RawPlan["robot"], surfaces: Surface[], ghost = false) {
     for (const joint of robot.tree) {
       const place = new THREE.Group();
       setPose(place, joint.pose);
@@ -18,18 +20,29 @@ export class RobotView {
       (joint.parent === null ? this.root : this.joints[joint.parent]).add(place);
       this.joints.push(moving);
     }
-    const materials = new Map<string, THREE.Material>();
+    const { materials } = this;
+    const paint = (color: string, open: boolean) => {
+      const key = `${color} ${open}`;
+      if (!materials.has(key)) materials.set(key, material(color, ghost ? 0.16 : 1, open));
+      return materials.get(key)!;
+    };
     for (const shape of robot.shapes) {
-      const form = geometry(shape);
+      const isMesh = shape.mesh !== undefined;
+      const form = isMesh ? surfaceGeometry(surfaces[shape.mesh!]) : geometry(shape);
       if (!form) continue;
-      const color = shape.color ?? "#c0c4cc";
-      if (!materials.has(color)) materials.set(color, material(color, ghost ? 0.16 : 1));
-      const mesh = new THREE.Mesh(form, materials.get(color));
+      // Mesh files may be open, or turn triangles inside out.
+      const mesh = new THREE.Mesh(form, paint(shape.color ?? "#c0c4cc", isMesh));
       setPose(mesh, shape.pose);
+      mesh.scale.set(...(shape.mirror ?? [1, 1, 1]));
       mesh.castShadow = mesh.receiveShadow = !ghost;
-      (shape.joint === undefined ? this.root : this.joints[shape.joint]).add(mesh);
+      const holder = shape.joint === undefined ? this.root : this.joints[shape.joint];
+      holder.add(mesh);
+      if (ghost) holder.add(foremost(mesh));
     }
   }
+
+  /** The colour that everything has where no light falls. */
+  setGlow(color: string): void { this.materials.forEach((material) => material.emissive.set(color)); }
 
   /** Moves to the configuration between rows `node` and `node + 1`. */
   set(q: Rows, node: number, share: number): void {
@@ -45,6 +58,16 @@ export class RobotView {
       }
     });
   }
+}
+
+const DEPTH = new THREE.MeshBasicMaterial({ colorWrite: false, transparent: true, side: THREE.DoubleSide });
+
+/** Fills the depth buffer before a transparent mesh is drawn, so that only its foremost surface shows. */
+function foremost(mesh: THREE.Mesh): THREE.Mesh {
+  const depth = mesh.clone();
+  depth.material = DEPTH;
+  [depth.renderOrder, mesh.renderOrder] = [0.4, 0.5];
+  return depth;
 }
 
 const from = new THREE.Quaternion();

@@ -30,9 +30,12 @@ export function geometry(shape: Shape): THREE.BufferGeometry | undefined {
   return undefined;
 }
 
-export function material(color: string, opacity = 1): THREE.MeshStandardMaterial {
+/** `open`: seen from both sides. */
+export function material(color: string, opacity = 1, open = false): THREE.MeshStandardMaterial {
   const transparent = opacity < 1;
-  return new THREE.MeshStandardMaterial({ color, roughness: 0.62, metalness: 0.05, transparent, opacity, depthWrite: !transparent });
+  const side = open ? THREE.DoubleSide : THREE.FrontSide;
+  // Shadows are thrown by what the lamp does not see, so that lit surfaces do not shade themselves.
+  return new THREE.MeshStandardMaterial({ color, side, shadowSide: THREE.BackSide, roughness: 0.62, metalness: 0.05, transparent, opacity, depthWrite: !transparent });
 }
 
 /** Meshes of shapes in the frame of a body; planes are left out. */

@@ -16,8 +16,8 @@ export interface Layers { forces: boolean; cones: boolean; contacts: boolean; pa
 export const LAYERS: Layers = { forces: true, cones: true, contacts: true, path: true, ghost: true, follow: false };
 
 const THEMES = {
-  light: { background: "#eef1f5", line: "#7a8798", shadow: 0.24, sky: "#ffffff", ground: "#b9c0cb", ambient: 1.9, sun: 2.1 },
-  dark: { background: "#161a20", line: "#8fa0b8", shadow: 0.5, sky: "#cfdcf2", ground: "#3a4250", ambient: 1.35, sun: 2.0 },
+  light: { background: "#eef1f5", line: "#7a8798", shadow: 0.24, sky: "#ffffff", ground: "#b9c0cb", ambient: 1.9, sun: 2.1, glow: "#000000" },
+  dark: { background: "#161a20", line: "#8fa0b8", shadow: 0.5, sky: "#dbe5f6", ground: "#626d80", ambient: 1.7, sun: 2.0, glow: "#22272f" },
 };
 
 export class Stage {
@@ -48,7 +48,7 @@ export class Stage {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true });
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = THREE.PCFShadowMap;
-    this.robot = new RobotView(plan.raw.robot);
+    this.robot = new RobotView(plan.raw.robot, plan.surfaces);
     this.scene.add(this.robot.root, this.sky, this.sun, this.sun.target, this.ghost);
     this.addBodies(colors);
     const floor = floorHeight(plan);
@@ -60,6 +60,8 @@ export class Stage {
     this.scene.add(this.floor.root, this.trail.root, this.contacts.root);
     this.addGhost(colors);
     this.addLight(center);
+    // The controls turn about the direction that is up when they are made.
+    this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.enableDamping = false;
     this.controls.maxPolarAngle = 0.53 * Math.PI;
@@ -102,14 +104,14 @@ export class Stage {
     }
     // Where the goal is the robot's own place, the robot is the ghost.
     if (objects.length > 0) return;
-    const robot = new RobotView(this.plan.raw.robot, true);
+    const robot = new RobotView(this.plan.raw.robot, this.plan.surfaces, true);
     robot.set(this.plan.q, this.plan.q.length - 1, 0);
     this.ghost.add(robot.root);
   }
 
   private addLight(center: THREE.Vector3): void {
     const reach = 0.5 * this.box.getSize(new THREE.Vector3()).length() + 0.3;
-    const azimuth = this.facing() - 1.5;
+    const azimuth = this.plan.raw.view[0] - 0.55;
     const from = new THREE.Vector3(1.7 * Math.cos(azimuth), 1.7 * Math.sin(azimuth), 3.0);
     this.sun.position.copy(center).addScaledVector(from, Math.max(1, reach));
     this.sun.target.position.copy(center);
@@ -205,22 +207,17 @@ export class Stage {
     this.sky.groundColor.set(theme.ground);
     this.sky.intensity = theme.ambient;
     this.sun.intensity = theme.sun;
+    // Black robots would be lost before the dark.
+    this.robot.setGlow(theme.glow);
     this.request();
   }
 
-  /** Heading of the robot at the beginning, about z. */
-  private facing(): number {
-    const [x, y, z, w] = this.plan.q.row(0).slice(3, 7);
-    return Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z));
-  }
-
-  /** The camera looks at everything, obliquely from before the robot. */
+  /** The camera looks at everything, from where little is hidden. */
   home(): void {
     const center = this.box.getCenter(new THREE.Vector3());
-    const [azimuth, elevation] = [this.facing() - 0.95, 0.34];
+    const [azimuth, elevation] = this.plan.raw.view;
     const away = new THREE.Vector3(Math.cos(azimuth) * Math.cos(elevation), Math.sin(azimuth) * Math.cos(elevation), Math.sin(elevation));
     const distance = this.fit(center, away);
-    this.camera.up.set(0, 0, 1);
     this.camera.position.copy(center).addScaledVector(away, distance);
     this.controls.target.copy(center);
     this.controls.update();

@@ -1,6 +1,6 @@
 // The data of the page of a search, as crates/view writes it (search/mod.rs).
 
-import { Plan, type RawPlan } from "../data";
+import { decodeMeshes, Plan, type Mesh, type RawPlan } from "../data";
 import { plain } from "./plain";
 
 export type Stage = "open" | "refused" | "keyframes" | "optimised" | "feasible";
@@ -52,6 +52,7 @@ interface RawSearch {
   sequences: Sequence[];
   refused: { contacts: string[]; reason: string }[];
   asked: [[number, number], [number, number]];
+  meshes?: Mesh[];
   plans: RawPlan[];
 }
 
@@ -89,7 +90,8 @@ export class Search {
       const known = this.sequenceOf.get(sequence.node);
       if (!known || sequence.reached === "feasible") this.sequenceOf.set(sequence.node, sequence);
     }
-    this.plans = raw.plans.map((plan) => new Plan(plan));
+    const surfaces = decodeMeshes(raw.meshes);
+    this.plans = raw.plans.map((plan) => new Plan(plan, surfaces));
   }
 
   /** From the root to a node. */

@@ -4,6 +4,7 @@
 //! the rectangle that changed is stored.
 
 use crate::ViewError;
+use crate::meshes::Meshes;
 use crate::motion::Motion;
 use crate::render::{Picture, Scenery};
 use color_quant::NeuQuant;
@@ -23,8 +24,8 @@ const HEIGHT: usize = 360;
 const SAMPLED: usize = 6;
 
 /// The GIF file.
-pub(crate) fn animation(motions: &[Motion]) -> Result<Vec<u8>, ViewError> {
-    let sceneries: Vec<_> = motions.iter().map(Scenery::new).collect();
+pub(crate) fn animation(motions: &[Motion], meshes: &Meshes) -> Result<Vec<u8>, ViewError> {
+    let sceneries: Vec<_> = motions.iter().map(|x| Scenery::new(x, meshes)).collect();
     let cameras: Vec<_> = sceneries.iter().map(|x| x.camera([0.8, 1.7])).collect();
     let longest = motions
         .iter()

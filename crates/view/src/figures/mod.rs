@@ -7,7 +7,7 @@ mod svg;
 mod torque_chart;
 
 use crate::motion::Motion;
-use crate::{Named, ViewError};
+use crate::{Meshes, Named, ViewError};
 use plan::Plan;
 use svg::{BAND, Drawing};
 
@@ -48,11 +48,15 @@ pub struct Figure {
 }
 
 /// Draws the figures of one plan, or of two for comparison: `contacts` and `torques` and `snapshots` as SVG and PNG, and
-/// `motion.gif`. The same plans give the same files.
+/// `motion.gif`. Robots are drawn with `meshes`, where these have theirs. The same plans and meshes give the same files.
 ///
 /// # Errors
 /// A plan contradicts itself, its robot cannot be read, or a wanted joint does not exist.
-pub fn figures(plans: &[Named], options: &FigureOptions) -> Result<Vec<Figure>, ViewError> {
+pub fn figures(
+    plans: &[Named],
+    meshes: &Meshes,
+    options: &FigureOptions,
+) -> Result<Vec<Figure>, ViewError> {
     let motions: Vec<_> = plans
         .iter()
         .map(|named| Motion::new(named.plan, named.name))
@@ -66,7 +70,7 @@ pub fn figures(plans: &[Named], options: &FigureOptions) -> Result<Vec<Figure>, 
         ),
         (
             "snapshots",
-            strip::strip(&motions, &names, options.snapshots)?,
+            strip::strip(&motions, meshes, &names, options.snapshots)?,
         ),
     ];
     let mut figures = Vec::new();
@@ -83,7 +87,7 @@ pub fn figures(plans: &[Named], options: &FigureOptions) -> Result<Vec<Figure>, 
     if options.animation {
         figures.push(Figure {
             file: "motion.gif".into(),
-            bytes: animation::animation(&motions)?,
+            bytes: animation::animation(&motions, meshes)?,
         });
     }
     Ok(figures)

@@ -3,6 +3,7 @@
 use super::contact_chart::label;
 use super::svg::{Anchor, Drawing, FAINT, TEXT, fitted, png_of};
 use crate::ViewError;
+use crate::meshes::Meshes;
 use crate::motion::Motion;
 use crate::render::Scenery;
 
@@ -20,10 +21,11 @@ const PER_ROW: usize = 6;
 /// The snapshots of all plans, `count` of each.
 pub(crate) fn strip(
     motions: &[Motion],
+    meshes: &Meshes,
     names: &[&str],
     count: usize,
 ) -> Result<Drawing, ViewError> {
-    let sceneries: Vec<_> = motions.iter().map(Scenery::new).collect();
+    let sceneries: Vec<_> = motions.iter().map(|x| Scenery::new(x, meshes)).collect();
     let cameras: Vec<_> = sceneries.iter().map(|x| x.camera([0.62, 1.5])).collect();
     let columns = count.min(PER_ROW);
     let rows = count.div_ceil(columns);

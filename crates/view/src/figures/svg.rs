@@ -1,6 +1,7 @@
 //! A drawing as SVG text, and the same as PNG.
 
 use crate::ViewError;
+use crate::compact::base64;
 use resvg::{tiny_skia, usvg};
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -200,43 +201,9 @@ fn escaped(text: &str) -> String {
         .replace('>', "&gt;")
 }
 
-/// RFC 4648, section 4.
-fn base64(bytes: &[u8]) -> String {
-    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut text = String::with_capacity(bytes.len() * 4 / 3 + 4);
-    for three in bytes.chunks(3) {
-        let number = (0..3).fold(0u32, |n, k| {
-            n << 8 | u32::from(three.get(k).copied().unwrap_or(0))
-        });
-        for k in 0..4 {
-            let letter = LETTERS[(number >> (18 - 6 * k)) as usize & 63];
-            text.push(if k <= three.len() {
-                char::from(letter)
-            } else {
-                '='
-            });
-        }
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn base64_is_that_of_the_rfc() {
-        let cases = [
-            ("", ""),
-            ("f", "Zg=="),
-            ("fo", "Zm8="),
-            ("foo", "Zm9v"),
-            ("foobar", "Zm9vYmFy"),
-        ];
-        for (plain, coded) in cases {
-            assert_eq!(base64(plain.as_bytes()), coded);
-        }
-    }
 
     #[test]
     fn ticks_are_round_and_inside() {

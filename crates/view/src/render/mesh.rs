@@ -1,14 +1,9 @@
 //! Primitive shapes as triangles with normals, in the shape's own frame.
 
+use crate::meshes::{Corner, Triangle};
 use multibody::Shape;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
-
-/// A corner: place [m] and unit normal.
-pub(crate) type Corner = (Vector3<f64>, Vector3<f64>);
-
-/// A triangle.
-pub(crate) type Triangle = [Corner; 3];
 
 /// Parts around an axis.
 const AROUND: usize = 28;
@@ -16,7 +11,7 @@ const AROUND: usize = 28;
 /// Parts from pole to pole.
 const DOWN: usize = 14;
 
-/// The triangles of a shape; meshes, which are files, have none.
+/// The triangles of a primitive shape; meshes, which are files, have none here.
 pub(crate) fn triangles(shape: &Shape) -> Vec<Triangle> {
     match *shape {
         Shape::Box { half_size } => cuboid(&half_size),

@@ -1,12 +1,14 @@
 //! What is in the picture: static bodies, objects and robot at a time of the motion.
 
 use super::camera::Camera;
-use super::mesh::{Triangle, triangles};
+use super::mesh::triangles;
 use super::painter::{Face, Ground, Picture, paint};
 use super::shadow::Shadow;
+use crate::meshes::{Meshes, Triangle};
 use crate::motion::Motion;
 use crate::palette;
-use crate::robot::looks;
+use crate::robot::{Form, Look, looks};
+use crate::viewpoint::Viewpoint;
 use multibody::Shape;
 use nalgebra::Vector3;
 use plan::{Geometry, Plan, StaticBody};
@@ -15,11 +17,59 @@ use spatial::Pose;
 /// Times of the motion at which everything must be in the picture.
 const LOOKS: usize = 12;
 
+/// The lamp stands so far to the viewer's left [rad].
+const LAMP: f64 = 0.55;
+
+/// Of a part with more corners, the camera looks at the corners of the box around them.
+const MANY: usize = 5000;
+
 /// A shape that moves with something.
 struct Part {
     frame_from_shape: Pose,
     triangles: Vec<Triangle>,
+    /// Corners around it, for the camera.
+    around: Vec<Vector3<f64>>,
     color: [f64; 3],
+}
+
+impl Part {
+    fn new(frame_from_shape: Pose, triangles: Vec<Triangle>, color: [f64; 3]) -> Self {
+        let mut around: Vec<_> = triangles.iter().flatten().map(|x| x.0).collect();
+        if around.len() > MANY {
+            around = box_around(&around);
+        }
+        Self {
+            frame_from_shape,
+            triangles,
+            around,
+            color,
+        }
+    }
+
+    fn of_robot(look: &Look, meshes: &Meshes) -> Self {
+        let triangles = match &look.form {
+            Form::Primitive(shape) => triangles(shape),
+            Form::Surface { index, mirror } => {
+                let mirror = Vector3::from(*mirror);
+                let mirrored = |x: Vector3<f64>| x.component_mul(&mirror);
+                let triangles = meshes.triangles(*index).into_iter();
+                triangles
+                    .map(|corners| {
+                        corners.map(|(place, normal)| (mirrored(place), mirrored(normal)))
+                    })
+                    .collect()
+            }
+        };
+        Self::new(look.frame_from_shape, triangles, look.color)
+    }
+
+    fn faces(&self, world_from_shape: &Pose) -> impl Iterator<Item = Face> {
+        self.triangles.iter().map(|corners| Face {
+            places: corners.map(|(place, _)| world_from_shape.act(place)),
+            normals: corners.map(|(_, normal)| world_from_shape.rotate(normal)),
+            color: self.color,
+        })
+    }
 }
 
 /// All shapes of a plan, its camera and ground.
@@ -41,18 +91,11 @@ pub(crate) struct Scenery<'a> {
 }
 
 impl<'a> Scenery<'a> {
-    /// Gathers the shapes and chooses a place to look from: obliquely from before the robot's first stand.
-    pub fn new(motion: &'a Motion<'a>) -> Self {
+    /// Gathers the shapes and chooses a place to look from.
+    pub fn new(motion: &'a Motion<'a>, meshes: &Meshes) -> Self {
         let plan = motion.plan;
-        let (looks, _) = looks(&motion.model, &plan.robot.urdf);
-        let robot = looks.into_iter().map(|look| {
-            let part = Part {
-                frame_from_shape: look.placed.frame_from_shape,
-                triangles: triangles(&look.placed.shape),
-                color: look.color,
-            };
-            (look.frame, part)
-        });
+        let (looks, _) = looks(&motion.model, &plan.robot.urdf, meshes);
+        let robot = looks.iter().map(|x| (x.frame, Part::of_robot(x, meshes)));
         let objects = plan.objects.iter().enumerate().flat_map(|(i, object)| {
             let color = palette::to_rgb(&palette::of_object(plan, i));
             parts(&object.geometry, color).map(move |part| (i, part))
@@ -61,7 +104,7 @@ impl<'a> Scenery<'a> {
             let color = palette::to_rgb(&palette::of_static(plan, &body.name));
             let pale = color.map(|c| 0.6 * c + 0.4);
             let faces = parts(&body.geometry, pale)
-                .flat_map(|part| faces(&Pose::identity(), &part).collect::<Vec<_>>());
+                .flat_map(|part| part.faces(&part.frame_from_shape).collect::<Vec<_>>());
             faces.collect::<Vec<_>>()
         };
         let touched = plan
@@ -92,12 +135,16 @@ impl<'a> Scenery<'a> {
 
     fn look_around(&mut self) {
         let duration = self.motion.plan.duration();
-        let places = |faces: Vec<Face>| faces.into_iter().flat_map(|face| face.places);
-        self.points.extend(places(self.touched.clone()));
+        let mut points = Vec::new();
+        let touched = self.touched.iter().flat_map(|face| face.places);
+        self.points.extend(touched);
         for look in 0..=LOOKS {
-            let faces = self.moving(duration * look as f64 / LOOKS as f64);
-            self.points.extend(places(faces));
+            for (world_from_shape, part) in self.moving(duration * look as f64 / LOOKS as f64) {
+                let around = part.around.iter().map(|x| world_from_shape.act(*x));
+                points.extend(around);
+            }
         }
+        self.points.extend(points);
         let mut low = Vector3::repeat(f64::INFINITY);
         let mut high = -low;
         for point in &self.points {
@@ -105,12 +152,10 @@ impl<'a> Scenery<'a> {
         }
         self.ground.center = (low + high) / 2.0;
         self.ground.reach = 0.9 * (high - low).norm() + 0.6;
-        let facing = self.motion.world_from_frame(0, 0).rotate(Vector3::x());
-        let heading = facing.y.atan2(facing.x);
-        let direction =
-            |turn: f64, up: f64| Vector3::new((heading + turn).cos(), (heading + turn).sin(), up);
-        self.away = direction(-0.95, 0.36);
-        self.light = direction(-1.5, 1.9);
+        let view = Viewpoint::of(self.motion);
+        self.away = view.away();
+        let lamp = view.azimuth - LAMP;
+        self.light = Vector3::new(lamp.cos(), lamp.sin(), 1.9);
     }
 
     /// A camera that sees the whole motion; the shape of its picture is within `aspects`.
@@ -120,8 +165,10 @@ impl<'a> Scenery<'a> {
 
     /// The picture at a time, so many pixels high.
     pub fn picture(&self, time: f64, camera: &Camera, height: usize) -> Picture {
-        let mut faces = self.moving(time);
-        faces.extend_from_slice(&self.fixed);
+        let mut faces = self.fixed.clone();
+        for (world_from_shape, part) in self.moving(time) {
+            faces.extend(part.faces(&world_from_shape));
+        }
         let mut shadow = Shadow::new(&self.points, &self.light);
         for face in &faces {
             shadow.add(face.places);
@@ -129,39 +176,37 @@ impl<'a> Scenery<'a> {
         paint(&faces, &self.ground, camera, &shadow, height)
     }
 
-    /// Robot and objects at a time.
-    fn moving(&self, time: f64) -> Vec<Face> {
+    /// Parts of robot and objects at a time, with the poses of the shapes in the world.
+    fn moving(&self, time: f64) -> impl Iterator<Item = (Pose, &Part)> {
         let moment = self.motion.at(time);
-        let mut all = Vec::new();
-        for (frame, part) in &self.robot {
+        let frames = self.robot.iter().map(|(frame, part)| {
             let world_from_frame = moment.robot.frame_pose(&self.motion.model, *frame);
-            all.extend(faces(&world_from_frame, part));
-        }
-        for (object, part) in &self.objects {
-            all.extend(faces(&moment.objects[*object], part));
-        }
-        all
+            (world_from_frame * part.frame_from_shape, part)
+        });
+        let objects = self.objects.iter();
+        let objects = objects.map(|(i, part)| (moment.objects[*i] * part.frame_from_shape, part));
+        frames.chain(objects).collect::<Vec<_>>().into_iter()
     }
 }
 
 fn parts(geometry: &[Geometry], color: [f64; 3]) -> impl Iterator<Item = Part> + '_ {
     geometry.iter().filter_map(move |shape| {
         let half_size = Vector3::from(shape.half_size?);
-        Some(Part {
-            frame_from_shape: Pose::from_xyzquat(&shape.pose),
-            triangles: triangles(&Shape::Box { half_size }),
-            color,
-        })
+        let triangles = triangles(&Shape::Box { half_size });
+        let frame_from_shape = Pose::from_xyzquat(&shape.pose);
+        Some(Part::new(frame_from_shape, triangles, color))
     })
 }
 
-fn faces<'p>(world_from_frame: &Pose, part: &'p Part) -> impl Iterator<Item = Face> + use<'p> {
-    let world_from_shape = *world_from_frame * part.frame_from_shape;
-    part.triangles.iter().map(move |corners| Face {
-        places: corners.map(|(place, _)| world_from_shape.act(place)),
-        normals: corners.map(|(_, normal)| world_from_shape.rotate(normal)),
-        color: part.color,
-    })
+/// The corners of the box around places.
+fn box_around(places: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+    let infinite = Vector3::repeat(f64::INFINITY);
+    let (low, high) = places.iter().fold((infinite, -infinite), |(low, high), x| {
+        (low.inf(x), high.sup(x))
+    });
+    let corner =
+        |i: usize| Vector3::from([0, 1, 2].map(|k| if i >> k & 1 == 0 { low[k] } else { high[k] }));
+    (0..8).map(corner).collect()
 }
 
 /// True if some contact is with the static body.

@@ -4,6 +4,7 @@ mod journal;
 mod tree;
 
 use crate::ViewError;
+use crate::meshes::{MeshData, Meshes};
 use crate::page::{Named, fill, plan_datas};
 use crate::page_data::PlanData;
 use journal::Journal;
@@ -41,6 +42,7 @@ pub(crate) struct SearchData {
     refused: Vec<RefusedData>,
     /// States and beginnings that were asked for, and how many of each were refused.
     asked: [[usize; 2]; 2],
+    meshes: Vec<MeshData>,
     plans: Vec<PlanData>,
 }
 
@@ -48,6 +50,7 @@ pub(crate) struct SearchData {
 #[derive(Debug, Clone)]
 pub struct Run {
     folder: PathBuf,
+    meshes: Meshes,
 }
 
 impl Run {
@@ -60,12 +63,28 @@ impl Run {
         if path.is_file() {
             return Ok(Self {
                 folder: folder.into(),
+                meshes: Meshes::default(),
             });
         }
         Err(ViewError::Journal {
             path: folder.display().to_string(),
             what: format!("there is no {JOURNAL}; is it the folder of a run of `locotamp plan`?"),
         })
+    }
+
+    /// The run with its robot drawn with meshes below `folders`, as far as it has solutions yet.
+    #[must_use]
+    pub fn with_meshes(mut self, folders: &[PathBuf]) -> Self {
+        let mut files = self.plan_files().into_iter();
+        let plan = files.find_map(|(_, path)| Plan::read(&path).ok());
+        let urdf = plan.iter().map(|plan| plan.robot.urdf.as_str());
+        self.meshes = Meshes::load(urdf, folders, Meshes::PAGE);
+        self
+    }
+
+    /// The meshes of the robot.
+    pub fn meshes(&self) -> &Meshes {
+        &self.meshes
     }
 
     /// A text that changes when the run goes on.
@@ -116,6 +135,7 @@ impl Run {
             sequences: tree.sequences,
             refused: tree.refused,
             asked: tree.asked,
+            meshes: self.meshes.data(),
             plans,
         })?)
     }
@@ -158,7 +178,7 @@ impl Run {
                 name: &name,
                 plan: &plan,
             };
-            let Ok(mut data) = plan_datas(&[named]) else {
+            let Ok(mut data) = plan_datas(&[named], &self.meshes) else {
                 continue;
             };
             if let Some(tried) = sequences.iter_mut().find(|x| x.number == number) {
