@@ -17,7 +17,7 @@ const HOLDS: f64 = 0.06;
 /// misses is far less than what finer grids change.
 const NEARLY_SOLVED: f64 = 1e-3;
 /// Most iterations for that, in each round.
-const HOLDS_ITERATIONS: usize = 100;
+const HOLDS_ITERATIONS: usize = 150;
 
 /// Share by which the coarse grid may be longer than that and still count as one between: phases grow a little.
 const NEARLY: f64 = 1.2;

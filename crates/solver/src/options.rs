@@ -55,7 +55,7 @@ impl Default for Options {
             tightening: 0.25,
             keeps_filter: false,
             time_limit: f64::INFINITY,
-            stall_iterations: 10,
+            stall_iterations: 15,
         }
     }
 }

@@ -198,17 +198,31 @@ impl Builder<'_> {
                 }
             }
             Owner::Object(o) => {
-                let weight = self.scene.objects[o].mass * self.scene.gravity.norm();
-                let on_it = state.iter().filter(|c| owner(c.b) == Owner::Object(o));
-                let above = |c| {
-                    most.checked_sub(1)
-                        .map(|most| self.load_below(state, c, most))
-                };
-                let loads: f64 = on_it.filter_map(above).sum();
-                (weight + loads) / share_of(&|c| owner(c.a) == Owner::Object(o))
+                self.weight_with_load(state, o, most)
+                    / share_of(&|c| owner(c.a) == Owner::Object(o))
             }
             Owner::Static(_) => 0.0,
         }
+    }
+
+    /// Weight of an object and of what stands on it [N].
+    fn weight_with_load(&self, state: &ContactState, object: usize, most: usize) -> f64 {
+        let weight = self.scene.objects[object].mass * self.scene.gravity.norm();
+        let owner = |c: &Contact| self.scene.interfaces[c.b.0].owner;
+        let on_it = state.iter().filter(|c| owner(c) == Owner::Object(object));
+        let above = |c| {
+            most.checked_sub(1)
+                .map(|most| self.load_below(state, c, most))
+        };
+        weight + on_it.filter_map(above).sum::<f64>()
+    }
+
+    /// The most of that in any phase [N].
+    pub(super) fn heaviest(&self, object: usize, phases: &[Phase]) -> f64 {
+        let most = self.scene.objects.len();
+        let weights = phases.iter();
+        let weights = weights.map(|phase| self.weight_with_load(&phase.state, object, most));
+        weights.fold(0.0, f64::max)
     }
 
     fn robot_weight(&self) -> f64 {

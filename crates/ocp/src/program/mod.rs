@@ -180,7 +180,7 @@ impl Program {
             start: Kinematics::new(&system.model),
         };
         builder.start.update(&system.model, &system.start(scene));
-        builder.scales();
+        builder.scales(phases);
         builder.variables();
         builder.costs();
         for t in 0..n {

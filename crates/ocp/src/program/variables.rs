@@ -1,6 +1,6 @@
 //! Scales of rows and costs, and the variables: node increments, bounded by the joints' ranges.
 
-use super::{Builder, Grid};
+use super::{Builder, Grid, Phase};
 use multibody::JointKind;
 use solver::ElementStructure;
 
@@ -12,7 +12,10 @@ const PLAY: f64 = 0.1;
 
 impl Builder<'_> {
     /// Scales of the equations of motion, weights and posture per velocity index.
-    pub(super) fn scales(&mut self) {
+    pub(super) fn scales(&mut self, phases: &[Phase]) {
+        let loads: Vec<f64> = (0..self.scene.objects.len())
+            .map(|o| self.heaviest(o, phases))
+            .collect();
         let p = &mut self.program;
         let (system, weights) = (&p.system, &p.settings.weights);
         let g = self.scene.gravity.norm();
@@ -23,7 +26,7 @@ impl Builder<'_> {
             let i = joint.idx_v;
             if joint.kind == JointKind::FreeFlyer {
                 let (force, arm) = if object {
-                    ((joint.inertia.mass * g).max(1.0), 0.1)
+                    (loads[j - system.n_robot_joints].max(1.0), 0.1)
                 } else {
                     (weight / 3.0 * impulse, 0.3)
                 };
