@@ -36,7 +36,7 @@ fn a_sequence_becomes_a_plan_and_a_report() {
     assert_eq!(code, Some(0), "{text}{errors}");
     for part in [
         "hopper, sequence: a feasible plan, 2 phases, ",
-        "from 8 intervals",
+        "from 12 intervals",
         "rise",
         "derivatives",
         "report.json",
