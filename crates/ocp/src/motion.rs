@@ -295,8 +295,10 @@ impl<'a> Planner<'a> {
                 observe,
             );
             work.add(&report);
-            let acceptable = report.status == Status::Acceptable;
-            let solved = acceptable || report.violation <= SOLVED;
+            // Where an acceptable end is one, so is another end within its tolerance.
+            let nearly = options.acceptable_iterations > 0
+                && report.violation <= options.acceptable_tolerance;
+            let solved = nearly || report.violation <= SOLVED;
             if solved && report.status != Status::Interrupted && round < REPAIRS {
                 let between = settings.between
                     && self.demand_clearance_between(
