@@ -98,8 +98,8 @@ pub(crate) struct SearchOptions {
     /// How the next contact sequence is chosen
     #[arg(long, value_enum, default_value_t = SearchName::Tree)]
     pub search: SearchName,
-    /// End with so many feasible plans
-    #[arg(long, value_name = "N", default_value_t = 4)]
+    /// End with so many plans that differ in what bears load
+    #[arg(long, value_name = "N", default_value_t = 5)]
     pub solutions: usize,
     /// Optimise at most so many contact sequences
     #[arg(long, value_name = "N", default_value_t = 200)]

@@ -67,13 +67,11 @@ pub struct Request {
     pub resume: bool,
     /// Ends the run when set.
     pub stop: Stop,
-    /// Most different plans that are kept.
-    pub alternatives: usize,
     /// Seed of every random choice; the same scene and seed give the same plan.
     pub seed: u64,
     /// Wall time after which the best plan so far is returned [s]; infinite by default.
     pub time_limit: f64,
-    /// Number of feasible plans after which the search ends; the cheapest is returned.
+    /// Number of plans with different loaded contacts after which the search ends, and of those that it returns.
     pub solutions: usize,
     /// Most sequences that are optimised in full.
     pub max_optimised: usize,
@@ -101,10 +99,9 @@ impl Default for Request {
             journal: None,
             resume: false,
             stop: Stop::default(),
-            alternatives: 5,
             seed: 0,
             time_limit: f64::INFINITY,
-            solutions: 4,
+            solutions: 5,
             max_optimised: 200,
             integrator: Integrator::Euler,
             refinement: Some(Refinement::default()),

@@ -26,8 +26,9 @@ const FAR_OFF: f64 = 0.02;
 /// Barrier parameter and relaxation with which a repair starts from the last solution.
 const REPAIR_BARRIER: f64 = 1e-3;
 const REPAIR_PUSH: f64 = 1e-4;
-/// The same where a coarser grid's motion is the start: that may be far from a solution.
+/// The same where a coarser grid's motion is the start: that may be far from a solution; nearer if it had velocities too.
 const FINER_BARRIER: f64 = 0.1;
+const FINEST_BARRIER: f64 = 0.01;
 const FINER_PUSH: f64 = 1e-3;
 /// Largest violation of a solution (scaled rows).
 const SOLVED: f64 = 1e-6;
@@ -41,6 +42,10 @@ const BARRIER_DUAL_TOLERANCE: f64 = 0.1;
 /// gains its last digits slowly.
 const STATE_TOLERANCE: f64 = 1e-6;
 const STATE_DUAL_TOLERANCE: f64 = 1e-2;
+/// With so little regularisation one refinement removes it; on coarse grids, in configurations alone, more rounds with more
+/// of it need fewer iterations.
+const STATE_REGULARISATION: f64 = 1e-8;
+const STATE_REFINEMENTS: usize = 1;
 
 /// A problem's worst row in words.
 #[derive(Debug, Clone, PartialEq)]
@@ -155,6 +160,8 @@ impl First {
         if program.has_velocities() {
             options.feasibility_tolerance = STATE_TOLERANCE;
             options.dual_tolerance = STATE_DUAL_TOLERANCE;
+            options.row_regularisation = STATE_REGULARISATION;
+            options.refinements = STATE_REFINEMENTS;
         }
         options
     }
@@ -167,6 +174,11 @@ impl First {
     /// From the motion on a coarser grid.
     pub fn finer() -> Self {
         Self::with(FINER_BARRIER, FINER_PUSH)
+    }
+
+    /// The same from one with velocities.
+    pub fn finest() -> Self {
+        Self::with(FINEST_BARRIER, FINER_PUSH)
     }
 
     fn with(initial_barrier: f64, bound_push: f64) -> Self {

@@ -119,6 +119,11 @@ impl Planner<'_> {
             velocities,
             durations: durations.clone(),
         };
-        self.optimise(&finer, program, point, First::finer(), observe)
+        let first = if coarse.trajectory.program.has_velocities() {
+            First::finest()
+        } else {
+            First::finer()
+        };
+        self.optimise(&finer, program, point, first, observe)
     }
 }

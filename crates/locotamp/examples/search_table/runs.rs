@@ -200,13 +200,12 @@ impl Run {
         })
     }
 
-    /// What the library is asked for; every different plan is kept.
+    /// What the library is asked for; every different plan is kept unless the first is enough.
     pub fn request(&self, threads: usize) -> Request {
         let group = &self.group;
         Request {
             search: group.policy.search(),
             threads,
-            alternatives: usize::MAX,
             seed: self.seed,
             time_limit: group.time_limit,
             solutions: match group.until {

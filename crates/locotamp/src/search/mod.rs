@@ -38,7 +38,7 @@ const IN_FLIGHT: usize = 4;
 /// Largest share of the time limit that the search may use once there is a plan; the rest is for refining it.
 const SEARCH_SHARE: f64 = 0.7;
 /// Time that refining a plan is expected to take, in that of its motion and per interval: a fourth to one for the climb.
-const REFINING: f64 = 0.5;
+const REFINING: f64 = 0.8;
 /// Largest share of the time limit that is kept for refining.
 const MOST_REFINING: f64 = 0.6;
 
@@ -119,7 +119,7 @@ pub fn plan(
             rewards: Rewards::default(),
             failures: Failures::new(resting(scene)),
             attempts: vec![],
-            diverse: Diverse::new(request.alternatives),
+            diverse: Diverse::new(request.solutions),
             nearest: None,
             first_after: None,
             relatives: vec![],
@@ -249,8 +249,11 @@ impl Run<'_> {
             Some("stopped by the caller".into())
         } else if self.shop.begin.elapsed().as_secs_f64() > self.deadline() {
             Some(format!("time limit of {} s", request.time_limit))
-        } else if feasible >= request.solutions {
-            Some(format!("{feasible} plan(s) found, as asked for"))
+        } else if self.diverse.len() >= request.solutions {
+            Some(format!(
+                "{} plan(s) found, as asked for",
+                self.diverse.len()
+            ))
         } else if optimised >= request.max_optimised {
             Some(format!("{optimised} sequences optimised, the limit"))
         } else {
