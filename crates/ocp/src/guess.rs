@@ -332,3 +332,64 @@ fn rise_in_flight(
         first += steps;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::collision::ExtraClearance;
+    use crate::motion::{Planner, near};
+    use crate::program::Grid;
+    use crate::settings::{Preset, Settings};
+    use std::path::Path;
+    use symbolic::{ContactState, ContactType};
+
+    #[test]
+    fn what_an_object_stands_on_bears_the_robot_on_it_too() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/climb.toml");
+        let scene = Scene::load(&path).unwrap();
+        let interface = |name: &str| {
+            InterfaceId(
+                scene
+                    .interfaces
+                    .iter()
+                    .position(|i| i.name == name)
+                    .unwrap(),
+            )
+        };
+        let contact = |a: &str, b: &str| Contact {
+            a: interface(a),
+            b: interface(b),
+            kind: ContactType::UnilateralPatch,
+        };
+        let beside: Vec<Contact> = vec![
+            contact("left_foot", "ground_top"),
+            contact("right_foot", "ground_top"),
+            contact("box_bottom", "ground_top"),
+        ];
+        let mut on_it = beside.clone();
+        on_it[1] = contact("right_foot", "box_top");
+        let phase = |contacts: Vec<Contact>| Phase {
+            state: contacts.into_iter().collect::<ContactState>(),
+            steps: 2,
+        };
+        let planner = Planner::new(&scene).unwrap();
+        let nodes = vec![planner.system.start(&scene); 5];
+        let settings = Settings::new(Preset::Default, &scene.optimiser);
+        let none = ExtraClearance::new();
+        let phases = [phase(beside), phase(on_it)];
+        let program = planner.program(&phases, &settings, Grid::Motion, near(&nodes, &none));
+        let point = point(&program, &scene, nodes);
+        // Force of the ground on the box along its normal [N].
+        let borne = |t: usize| {
+            let bottom = interface("box_bottom");
+            let of_box = |f: &&crate::program::Force| f.contact.a == bottom;
+            let force = program.intervals[t].forces.iter().find(of_box).unwrap();
+            point.wrenches[t][force.first + 2].abs() * force.scale[2]
+        };
+        let robot = scene.robot.model.total_mass() * scene.gravity.norm();
+        let weight = scene.objects[0].mass * scene.gravity.norm();
+        assert!((borne(0) - weight).abs() < 1e-9, "{} N", borne(0));
+        let loaded = borne(3) - weight - 0.5 * robot;
+        assert!(loaded.abs() < 1e-9, "{} N", borne(3));
+    }
+}

@@ -121,3 +121,51 @@ fn with_base(q: &[f64], base: &Pose) -> Vec<f64> {
     q[..7].copy_from_slice(&base.to_xyzquat());
     q
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+    use symbolic::ContactType;
+
+    #[test]
+    fn a_hand_meets_what_it_holds() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/pick-place.toml");
+        let scene = Scene::load(&path).unwrap();
+        let system = System::new(&scene).unwrap();
+        let interface = |name: &str| {
+            InterfaceId(
+                scene
+                    .interfaces
+                    .iter()
+                    .position(|i| i.name == name)
+                    .unwrap(),
+            )
+        };
+        let contact = Contact {
+            a: interface("left_hand"),
+            b: interface("red_box_handle"),
+            kind: ContactType::BilateralPatch,
+        };
+        let start = scene.start_contacts.iter().copied();
+        let state: ContactState = start.chain([contact]).collect();
+        let mut kinematics = Kinematics::new(&system.model);
+        let mut nearest = |q: &[f64]| {
+            kinematics.update(&system.model, q);
+            let place =
+                |i: InterfaceId| system.world_from_interface(&scene.interfaces[i.0], &kinematics);
+            let (hand, handle) = (place(contact.a), place(contact.b));
+            let apart = hand.origin() - handle.origin();
+            let facing = -hand.rotate(Vector3::z()).dot(&handle.rotate(Vector3::z()));
+            (apart.x.hypot(apart.y), facing)
+        };
+        let guesses = states(&scene, &system, &state);
+        let (apart, facing) = nearest(&guesses[1]);
+        assert!(apart < ROOM + 1e-9, "{apart} m apart");
+        assert!(facing > 0.9, "{facing}");
+        // Without hands there is no such guess.
+        let standing: ContactState = scene.start_contacts.iter().copied().collect();
+        let without = states(&scene, &system, &standing).len();
+        assert!(guesses.len() >= without + MEETINGS.len());
+    }
+}
