@@ -121,18 +121,26 @@ pub fn straight(system: &System, keyframes: &[Vec<f64>], steps: usize) -> Vec<Ve
     out
 }
 
-/// A cubic curve through configurations at given times (Catmull and Rom 1974), at rest at both ends.
+/// A cubic curve through configurations at given times, at rest at both ends, with given velocities there or those of Catmull
+/// and Rom 1974. Where accelerations are held between the nodes, the given velocities make it that motion.
 pub struct Curve<'a> {
     system: &'a System,
     times: &'a [f64],
     nodes: &'a [Vec<f64>],
+    /// Empty, or one velocity per node.
+    velocities: &'a [Vec<f64>],
     /// nodes[i+1] ⊖ nodes[i].
     differences: Vec<Vec<f64>>,
 }
 
 impl<'a> Curve<'a> {
-    /// Through `nodes` at increasing `times`, one each.
-    pub fn new(system: &'a System, times: &'a [f64], nodes: &'a [Vec<f64>]) -> Self {
+    /// Through `nodes` at increasing `times`, one each; `velocities` there, or none.
+    pub fn new(
+        system: &'a System,
+        times: &'a [f64],
+        nodes: &'a [Vec<f64>],
+        velocities: &'a [Vec<f64>],
+    ) -> Self {
         let differences = nodes
             .windows(2)
             .map(|pair| system.model.difference(&pair[0], &pair[1]))
@@ -141,6 +149,7 @@ impl<'a> Curve<'a> {
             system,
             times,
             nodes,
+            velocities,
             differences,
         }
     }
@@ -149,6 +158,9 @@ impl<'a> Curve<'a> {
     fn tangent(&self, i: usize, k: usize) -> f64 {
         if i == 0 || i == self.differences.len() {
             return 0.0;
+        }
+        if let Some(velocity) = self.velocities.get(i) {
+            return velocity[k];
         }
         let moved = self.differences[i - 1][k] + self.differences[i][k];
         moved / (self.times[i + 1] - self.times[i - 1])
@@ -186,7 +198,7 @@ pub fn interpolate(
     let times: Vec<f64> = (0..path.len())
         .map(|i| i as f64 / path_steps as f64)
         .collect();
-    let curve = Curve::new(system, &times, path);
+    let curve = Curve::new(system, &times, path, &[]);
     let mut out = vec![path[0].clone()];
     // Explicit Euler from rest and to rest: the first two and the last two nodes coincide, so the first and the last phase
     // have an interval less to move in.
@@ -342,6 +354,25 @@ mod tests {
     use crate::settings::{Preset, Settings};
     use std::path::Path;
     use symbolic::{ContactState, ContactType};
+
+    #[test]
+    fn known_velocities_give_the_motion_of_held_accelerations() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/pick-place.toml");
+        let scene = Scene::load(&path).unwrap();
+        let system = System::new(&scene).unwrap();
+        let (start, nv) = (system.start(&scene), system.model.nv);
+        // Every coordinate speeds up by 1 per second for 0.4 s, then slows down by 0.5 for 0.8 s.
+        let moved = |way: f64| system.model.integrate(&start, &vec![way; nv]);
+        let nodes = [moved(0.0), moved(0.08), moved(0.24)];
+        let velocities = [vec![0.0; nv], vec![0.4; nv], vec![0.0; nv]];
+        let curve = Curve::new(&system, &[0.0, 0.4, 1.2], &nodes, &velocities);
+        for (time, way, speed) in [(0.1, 0.005, 0.1), (0.3, 0.045, 0.3), (0.8, 0.2, 0.2)] {
+            let (q, v) = curve.at(time);
+            // Of the joints: bodies turn about axes that turn with them.
+            assert!((q[7] - start[7] - way).abs() < 1e-12, "{time} s: {}", q[7]);
+            assert!((v[6] - speed).abs() < 1e-12, "{time} s: {}", v[6]);
+        }
+    }
 
     #[test]
     fn what_an_object_stands_on_bears_the_robot_on_it_too() {

@@ -73,7 +73,8 @@ impl Planner<'_> {
             let start = times[times.len() - 1];
             times.extend((1..=steps).map(|i| start + duration * i as f64 / steps as f64));
         }
-        let curve = Curve::new(&self.system, &times, &coarse.point.nodes);
+        let point = &coarse.point;
+        let curve = Curve::new(&self.system, &times, &point.nodes, &point.velocities);
         let (mut nodes, mut velocities) = (vec![], vec![]);
         let mut wrenches = vec![];
         let mut start = 0.0;
