@@ -17,7 +17,7 @@ export const LAYERS: Layers = { forces: true, cones: true, contacts: true, path:
 
 const THEMES = {
   light: { background: "#eef1f5", line: "#7a8798", shadow: 0.24, sky: "#ffffff", ground: "#b9c0cb", ambient: 1.9, sun: 2.1, glow: "#000000" },
-  dark: { background: "#161a20", line: "#8fa0b8", shadow: 0.5, sky: "#dbe5f6", ground: "#626d80", ambient: 1.7, sun: 2.0, glow: "#22272f" },
+  dark: { background: "#161a20", line: "#8fa0b8", shadow: 0.5, sky: "#dbe5f6", ground: "#626d80", ambient: 1.7, sun: 2.0, glow: "#2f3641" },
 };
 
 export class Stage {
