@@ -328,6 +328,16 @@ mod tests {
     }
 
     #[test]
+    fn a_journal_that_does_not_name_the_goal_goes_on_and_that_of_another_problem_does_not() {
+        let named = Header {
+            goal: vec!["box on table".into()],
+            ..header("x")
+        };
+        assert!(header("x").is_same_run(&named));
+        assert!(!header("y").is_same_run(&named));
+    }
+
+    #[test]
     fn a_half_written_line_is_dropped_and_the_rest_known_again() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("journal.jsonl");
