@@ -1,4 +1,5 @@
-// Opens pages in a real headless Chromium and keeps account of what goes wrong.
+// Opens pages in a real headless Chromium, or in Firefox, and keeps account of what goes wrong.
+import { spawn } from "node:child_process";
 import { existsSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 import puppeteer from "puppeteer-core";
@@ -12,8 +13,34 @@ export function launch() {
   return puppeteer.launch({ executablePath: CHROMIUM, headless: true, args });
 }
 
+const FIREFOX = process.env.FIREFOX ?? ["/usr/bin/firefox-esr", "/usr/bin/firefox"].find(existsSync);
+const XVFB = ["/usr/bin/Xvfb"].find(existsSync);
+
+/** What Firefox needs and is not there; empty if all is. Without a display it has no WebGL, so it gets one that nobody sees. */
+export const firefoxLacks = [[FIREFOX, "Firefox (or FIREFOX, its path)"], [XVFB, "Xvfb"]].filter(([path]) => !path).map(([, name]) => name).join(" and ");
+
+/** Firefox on a display of its own, drawn by Mesa without a graphics card; `close` ends both. */
+export async function launchFirefox() {
+  const display = spawn(XVFB, ["-displayfd", "1", "-screen", "0", "1400x900x24", "-nolisten", "tcp"], { stdio: ["ignore", "pipe", "ignore"] });
+  try {
+    const number = await new Promise((done, fail) => {
+      display.stdout.once("data", (text) => done(String(text).trim()));
+      display.once("error", fail);
+      display.once("exit", (code) => fail(new Error(`Xvfb ended with ${code}`)));
+    });
+    const browser = await puppeteer.launch({
+      browser: "firefox", executablePath: FIREFOX, headless: false, timeout: 120_000, extraPrefsFirefox: { "webgl.force-enabled": true },
+      env: { ...process.env, DISPLAY: `:${number}`, LIBGL_ALWAYS_SOFTWARE: "1", WAYLAND_DISPLAY: "" },
+    });
+    return { browser, close: async () => { await browser.close(); display.kill(); } };
+  } catch (error) {
+    display.kill();
+    throw error;
+  }
+}
+
 /** A page with lists of its console errors and of its requests beyond itself. */
-export async function open(browser, file, theme = "light") {
+export async function open(browser, file, theme = "light") { // without a theme: the browser's own
   const page = await browser.newPage();
   const url = pathToFileURL(file).href;
   page.faults = [];
@@ -22,7 +49,7 @@ export async function open(browser, file, theme = "light") {
   page.on("pageerror", (error) => page.faults.push(error.message));
   page.on("request", (request) => { if (request.url() !== url && !request.url().startsWith("data:")) page.requests.push(request.url()); });
   await page.setViewport({ width: 1280, height: 720 });
-  await page.emulateMediaFeatures([{ name: "prefers-color-scheme", value: theme }]);
+  if (theme) await page.emulateMediaFeatures([{ name: "prefers-color-scheme", value: theme }]);
   await page.goto(url);
   return page;
 }

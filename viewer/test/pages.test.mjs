@@ -5,7 +5,7 @@ import { mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from "node
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { after, before, test } from "node:test";
-import { launch, open, picture, settle, time } from "./browser.mjs";
+import { firefoxLacks, launch, launchFirefox, open, picture, settle, time } from "./browser.mjs";
 
 const repository = resolve(import.meta.dirname ?? new URL(".", import.meta.url).pathname, "../..");
 const folder = mkdtempSync(join(tmpdir(), "locotamp-pages-"));
@@ -260,6 +260,59 @@ test("several plans are shown by tab and side by side in step", () => on("two", 
   await page.evaluate(() => window.locotamp.player.seek(0.2));
   for (const view of [0, 1]) assert.notEqual((await picture(page, view)).sum, before[view].sum, `picture ${view}`);
 }));
+
+test("a picture takes few draw calls and triangles, and playing draws no chart anew", () => on("one", "light", async (page) => {
+  const most = await page.evaluate(() => {
+    const { player, views: [{ stage }] } = window.locotamp;
+    const most = { calls: 0, triangles: 0 };
+    for (let i = 0; i <= 20; i++) {
+      player.seek((player.duration * i) / 20);
+      stage.draw();
+      // Of the shadows too.
+      const { calls, triangles } = stage.renderer.info.render;
+      [most.calls, most.triangles] = [Math.max(most.calls, calls), Math.max(most.triangles, triangles)];
+    }
+    return most;
+  });
+  assert.ok(most.calls > 20 && most.calls <= 130, `${most.calls} draw calls`);
+  assert.ok(most.triangles > 10_000 && most.triangles <= 100_000, `${most.triangles} triangles`);
+  await page.evaluate(() => {
+    window.chartsDrawn = 0;
+    for (const canvas of document.querySelectorAll(".stack canvas")) {
+      const context = canvas.getContext("2d");
+      for (const name of ["stroke", "fill", "fillRect", "fillText"]) context[name] = () => { window.chartsDrawn += 1; };
+    }
+    window.locotamp.player.seek(0);
+    window.locotamp.player.toggle();
+  });
+  await page.waitForFunction(() => window.locotamp.player.time > 0.4);
+  assert.equal(await page.evaluate(() => window.chartsDrawn), 0);
+  await page.keyboard.press("t");
+  assert.ok((await page.evaluate(() => window.chartsDrawn)) > 20, "another theme draws them");
+}));
+
+test("Firefox draws and plays the page, too", { skip: firefoxLacks ? `there is no ${firefoxLacks}` : false }, async () => {
+  const firefox = await launchFirefox();
+  try {
+    const page = await open(firefox.browser, pageFile("one"), null);
+    await page.waitForFunction(() => window.locotamp?.views[0].stage !== undefined);
+    const [first, pose, x] = [await picture(page), await angles(page), await cursor(page)];
+    assert.ok(first.drawn > 0.05 && first.drawn < 0.9, `${(100 * first.drawn).toFixed(1)} % of the picture differ from the background`);
+    await page.keyboard.press(" ");
+    await page.waitForFunction(() => window.locotamp.player.time > 0.3);
+    await page.keyboard.press(" ");
+    assert.notEqual((await picture(page)).sum, first.sum, "the picture");
+    assert.notEqual(await angles(page), pose, "the robot's joints");
+    assert.ok((await cursor(page)) > x, "the cursor of the charts");
+    const box = await (await page.$(".stack canvas")).boundingBox();
+    await page.mouse.click(box.x + 0.7 * box.width, box.y + 40);
+    const [there, duration] = [await time(page), await page.evaluate(() => window.locotamp.player.duration)];
+    assert.ok(there > 0.5 * duration && there < 0.9 * duration, `a click goes to ${there} of ${duration}`);
+    assert.deepEqual([page.faults, page.requests], [[], []]);
+  } finally {
+    await firefox.close();
+  }
+});
 
 test("a page with damaged data says what is wrong", async () => {
   const whole = readFileSync(pageFile("one"), "utf8");

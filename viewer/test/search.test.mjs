@@ -61,6 +61,36 @@ test("the tree says what was tried, how far it got and why not further", async (
   await page.close();
 });
 
+test("a search without a plan says first which goal was not reached and where motions fail", async () => {
+  const goal = "box_bottom on shelf_top";
+  const hold = "left_hand holds box_left";
+  const lifted = [feet, [...feet, hold], [...feet.slice(1), hold]];
+  const failed = { failed_phase: 2, violation: 0.3, reason: "equations of motion of base: 4.5e1 N m off, in phase 3; what limits it most is more" };
+  const lines = [
+    { ...LINES[0], goal: [goal] },
+    { kind: "state", states: [[...feet.slice(0, 1), hold, goal]], possible: false, reason: "contact bounds of left_hand on box_left: 1.95 m off", seconds: 0.1 },
+    sequence(1, "optimised", lifted, failed),
+    sequence(2, "optimised", [feet, ...lifted.slice(1), [hold]], { ...failed, violation: 0.1 }),
+    sequence(3, "alike", [feet, [feet[0], hold]], { reason: "sequences 1, 2 have no motion at the contacts of phase 2 (step_1)" }),
+  ];
+  const lost = join(folder, "lost");
+  mkdirSync(lost);
+  writeFileSync(join(lost, "journal.jsonl"), lines.map((line) => `${JSON.stringify(line)}\n`).join(""));
+  execFileSync(command, ["view", lost, "--out", join(folder, "lost.html")]);
+  const page = await open(browser, join(folder, "lost.html"));
+  const panel = await page.$eval(".panel", (panel) => panel.textContent);
+  assert.match(panel, /^✕No plan3 sequences tried, 2 as far as the full optimisation/);
+  const found = await page.$$eval(".finding", (findings) => findings.map((finding) => finding.textContent));
+  assert.equal(found.length, 2);
+  assert.match(found[0], /^The goal “box bottom on shelf top” was never reached1 sets? of contacts refused, such as .*: out of reach: left hand on box left stay 1\.9 m apart/);
+  assert.match(found[1], /^All of 2 motions fail at “step 2”; all fail with left hand holds box leftnearest to a plan is sequence 2: forces cannot carry the motion: 45 N m missing at base, in phase 3$/);
+  assert.match(panel, /left out: others failed at step 11/);
+  await page.click(".finding:nth-of-type(2), .finding ~ .finding");
+  assert.ok((await rows(page)).length > 0, "a click looks for it in the tree");
+  assert.deepEqual([page.faults, page.requests], [[], []]);
+  await page.close();
+});
+
 test("nodes of the search's tree show visits and value, others none", async () => {
   const page = await open(browser, join(folder, "search.html"));
   await settle(page);

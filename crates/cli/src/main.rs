@@ -7,6 +7,7 @@ mod arguments;
 mod bench_command;
 mod bench_table;
 mod check_command;
+mod counts;
 mod failure;
 mod folder;
 mod interrupt;

@@ -1,5 +1,6 @@
 //! Progress on standard error: a moving line on a terminal, a line now and then elsewhere.
 
+use crate::counts::Counts;
 use crate::output;
 use indicatif::{ProgressBar, ProgressStyle};
 use locotamp::Event;
@@ -22,9 +23,9 @@ pub(crate) struct Progress {
     begin: Instant,
     /// True if the contact sequence is given, so that none are counted.
     given: bool,
-    sequences: usize,
-    impossible: usize,
-    optimised: usize,
+    /// Sequences drawn so far, those that wait for their turn included.
+    drawn: usize,
+    counts: Counts,
     solutions: usize,
     /// Time of the first plan [s].
     first_after: Option<f64>,
@@ -47,9 +48,8 @@ impl Progress {
             sink,
             begin: Instant::now(),
             given: false,
-            sequences: 0,
-            impossible: 0,
-            optimised: 0,
+            drawn: 0,
+            counts: Counts::default(),
             solutions: 0,
             first_after: None,
             best: None,
@@ -124,19 +124,15 @@ impl Progress {
                 ));
             }
             Event::Sequence { number, labels } => {
-                self.sequences = *number;
+                self.drawn = *number;
                 self.doing = format!("keyframes of {} phases", labels.len());
             }
             Event::Keyframes {
                 number, possible, ..
             } => {
-                self.impossible += usize::from(!possible);
                 if *possible {
                     self.doing = "optimising".into();
-                    return Some(format!(
-                        "{}: keyframes found, optimising the motion",
-                        self.title(*number)
-                    ));
+                    return Some(format!("{}: keyframes found", self.title(*number)));
                 }
                 self.doing = "searching contact sequences".into();
             }
@@ -172,6 +168,7 @@ impl Progress {
                     1e3 * max_step
                 ));
             }
+            Event::Tried { reached, .. } => self.counts.add(*reached),
             Event::Explaining {
                 doing,
                 solves,
@@ -185,7 +182,6 @@ impl Progress {
                 cost,
                 reason,
             } => {
-                self.optimised += 1;
                 let title = self.title(*number);
                 return Some(match (feasible, reason) {
                     (true, _) => format!("{title}: feasible, cost {cost:.3}"),
@@ -199,16 +195,15 @@ impl Progress {
 
     /// The state in one line.
     fn line(&self) -> String {
-        let Self {
-            sequences,
-            impossible,
-            optimised,
-            doing,
-            ..
-        } = self;
+        let Self { counts, doing, .. } = self;
         if self.given {
             return doing.clone();
         }
+        let waiting = self.drawn.saturating_sub(counts.tried);
+        let waiting = match waiting {
+            0 => String::new(),
+            _ => format!(", {waiting} under way"),
+        };
         let plans = match (self.first_after, self.best) {
             (Some(first), Some((cost, number))) => format!(
                 ", {} plans, first after {first:.1} s, best {cost:.3} (sequence {number})",
@@ -216,9 +211,7 @@ impl Progress {
             ),
             _ => String::new(),
         };
-        format!(
-            "{sequences} sequences tried ({impossible} without keyframes, {optimised} optimised{plans}) | {doing}"
-        )
+        format!("{counts}{waiting}{plans} | {doing}")
     }
 }
 
@@ -234,6 +227,7 @@ fn spinner() -> ProgressBar {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use locotamp::Reached;
 
     #[test]
     fn the_line_counts_what_happened() {
@@ -246,6 +240,10 @@ mod tests {
                 possible: number == 3,
                 reason: None,
             });
+            if number != 3 {
+                let reached = Reached::Keyframes;
+                progress.see(&Event::Tried { number, reached });
+            }
         }
         progress.see(&Event::Iteration {
             number: 3,
@@ -255,7 +253,7 @@ mod tests {
         });
         let line = progress.line();
         assert!(
-            line.starts_with("3 sequences tried (2 without keyframes, 0 optimised)"),
+            line.starts_with("2 sequences tried (2 without keyframes), 1 under way | "),
             "{line}"
         );
         assert!(

@@ -28,7 +28,10 @@ pub(crate) fn most_frequent(attempts: &[Attempt], impossible: &[Impossible]) -> 
             Reached::Feasible => continue,
         };
         let example = attempt.reason.as_deref().unwrap_or("no reason known");
-        let what = example.split(':').next().unwrap_or(example);
+        let what = match attempt.reached {
+            Reached::Alike => example.split(['(', ')']).nth(1).unwrap_or(example),
+            _ => example.split(':').next().unwrap_or(example),
+        };
         groups.entry((stage, what)).or_insert((0, example)).0 += 1;
     }
     let mut reasons: Vec<Reason> = groups
@@ -76,6 +79,14 @@ mod tests {
             ),
             attempt(Reached::Feasible, "unused"),
             attempt(
+                Reached::Alike,
+                "sequences 1, 2 have no motion at the contacts of phase 3 (left_foot off stone)",
+            ),
+            attempt(
+                Reached::Alike,
+                "sequences 1, 2, 4 have no motion at the contacts of phase 5 (left_foot off stone)",
+            ),
+            attempt(
                 Reached::Optimised,
                 "torque of knee: 1.0e0 N·m off, in phase 1",
             ),
@@ -92,15 +103,17 @@ mod tests {
         let mut reasons = most_frequent(&attempts, &[refused]);
         let first = reasons.remove(0);
         assert_eq!((first.count, first.example.as_str()), (3, "too far"));
-        assert_eq!(reasons.len(), 2);
+        assert_eq!(reasons.len(), 3);
+        let found: Vec<_> = reasons
+            .iter()
+            .map(|x| (x.count, x.stage, &*x.what))
+            .collect();
+        assert_eq!(found[0], (2, "left out", "left_foot off stone"));
+        assert_eq!(found[1], (2, "no motion", "torque of knee"));
+        assert_eq!(found[2].1, "no keyframes");
         assert_eq!(
-            (reasons[0].count, reasons[0].stage, reasons[0].what.as_str()),
-            (2, "no motion", "torque of knee")
-        );
-        assert_eq!(
-            reasons[0].example,
+            reasons[1].example,
             "torque of knee: 1.0e0 N·m off, in phase 1"
         );
-        assert_eq!(reasons[1].stage, "no keyframes");
     }
 }

@@ -1,5 +1,6 @@
 //! The result of a run for people.
 
+use crate::counts::Counts;
 use crate::plan_command::Finished;
 use crate::reasons;
 use locotamp::{Found, Outcome, Quality, Refined, Summary};
@@ -18,11 +19,10 @@ pub(crate) fn write(finished: &Finished) -> String {
     } else {
         let _ = writeln!(text, "{}: no plan", finished.scene);
     }
-    let tried = outcome.attempts.len();
-    let sequences = if tried == 1 { "sequence" } else { "sequences" };
+    let tried: Counts = outcome.attempts.iter().map(|x| x.reached).collect();
     let _ = writeln!(
         text,
-        "search             {tried} {sequences} tried in {:.1} s; {}",
+        "search             {tried} in {:.1} s; {}",
         outcome.seconds, outcome.ended
     );
     if let Some(first) = outcome.first_after {

@@ -185,6 +185,13 @@ pub enum Event {
         /// What resists, if it does not.
         reason: Option<String>,
     },
+    /// A sequence counts as tried: it is the next of [`Outcome::attempts`].
+    Tried {
+        /// Number of the sequence.
+        number: usize,
+        /// How far it got.
+        reached: Reached,
+    },
 }
 
 /// How far a sequence got.

@@ -33,6 +33,9 @@ pub struct Header {
     pub fingerprint: String,
     /// Largest number of phases K_max.
     pub max_phases: usize,
+    /// Contacts of the goal, "a on b".
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub goal: Vec<String>,
 }
 
 impl Header {
@@ -42,6 +45,7 @@ impl Header {
         seed: u64,
         content: &str,
         max_phases: usize,
+        goal: Vec<String>,
     ) -> Self {
         Self {
             format: FORMAT.into(),
@@ -50,7 +54,17 @@ impl Header {
             seed,
             fingerprint: fingerprint(content),
             max_phases,
+            goal,
         }
+    }
+
+    /// True if answers of one hold for the other; journals of older versions do not name the goal.
+    fn is_same_run(&self, other: &Self) -> bool {
+        let goal = other.goal.clone();
+        Self {
+            goal,
+            ..self.clone()
+        } == *other
     }
 }
 
@@ -220,7 +234,7 @@ impl Journal {
             let line: Line = serde_json::from_str(&text)
                 .map_err(|error| format!("line {number} is no line of a journal: {error}"))?;
             match line {
-                Line::Run(found) if found != *header => {
+                Line::Run(found) if !found.is_same_run(header) => {
                     return Err(format!(
                         "it is of another run (scene {}, search {}, seed {}, fingerprint {}; now {}, {}, {}, {}): start \
                          without resuming, or in another folder",
@@ -301,7 +315,7 @@ mod tests {
     use super::*;
 
     fn header(content: &str) -> Header {
-        Header::new("scene", "tree", 3, content, 13)
+        Header::new("scene", "tree", 3, content, 13, vec![])
     }
 
     fn answer(name: &str) -> Answer {
@@ -311,6 +325,16 @@ mod tests {
             reason: Some("too far".into()),
             seconds: 0.25,
         }
+    }
+
+    #[test]
+    fn a_journal_that_does_not_name_the_goal_goes_on_and_that_of_another_problem_does_not() {
+        let named = Header {
+            goal: vec!["box on table".into()],
+            ..header("x")
+        };
+        assert!(header("x").is_same_run(&named));
+        assert!(!header("y").is_same_run(&named));
     }
 
     #[test]

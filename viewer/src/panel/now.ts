@@ -50,7 +50,7 @@ export class Forces {
       const next = Math.min(interval + 1, contact.load.length - 1);
       const mix = (rows: typeof contact.load, column: number) => (1 - share) * rows.at(interval, column) + share * rows.at(next, column);
       const force = Math.hypot(mix(contact.wrench, 0), mix(contact.wrench, 1), mix(contact.wrench, 2));
-      bar.style.width = `${Math.min(100, (100 * force) / plan.weight)}%`;
+      bar.style.transform = `scaleX(${Math.min(1, force / plan.weight).toFixed(4)})`;
       value.textContent = `${force.toFixed(0)} N`;
     }
   }

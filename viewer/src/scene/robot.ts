@@ -1,9 +1,10 @@
 // The robot: one group per joint, so that the scene graph does the forward kinematics.
 
 import * as THREE from "three";
-import type { RawPlan, Rows, Surface } from "../data";
+import { mergeGeometries } from "three/addons/utils/BufferGeometryUtils.js";
+import type { RawPlan, Rows, Shape, Surface } from "../data";
 import { surfaceGeometry } from "./mesh";
-import { geometry, material, setPose } from "./shapes";
+import { geometry, material, matrixOf, setPose } from "./shapes";
 
 export class RobotView {
   readonly root = new THREE.Group();
@@ -26,18 +27,23 @@ export class RobotView {
       if (!materials.has(key)) materials.set(key, material(color, ghost ? 0.16 : 1, open));
       return materials.get(key)!;
     };
+    const hold = (part: THREE.Mesh, joint?: number) => {
+      part.castShadow = part.receiveShadow = !ghost;
+      const holder = joint === undefined ? this.root : this.joints[joint];
+      holder.add(part);
+      if (ghost) holder.add(foremost(part));
+    };
     for (const shape of robot.shapes) {
-      const isMesh = shape.mesh !== undefined;
-      const form = isMesh ? surfaceGeometry(surfaces[shape.mesh!]) : geometry(shape);
-      if (!form) continue;
+      if (shape.mesh === undefined) continue;
       // Mesh files may be open, or turn triangles inside out.
-      const mesh = new THREE.Mesh(form, paint(shape.color ?? "#c0c4cc", isMesh));
-      setPose(mesh, shape.pose);
-      mesh.scale.set(...(shape.mirror ?? [1, 1, 1]));
-      mesh.castShadow = mesh.receiveShadow = !ghost;
-      const holder = shape.joint === undefined ? this.root : this.joints[shape.joint];
-      holder.add(mesh);
-      if (ghost) holder.add(foremost(mesh));
+      const part = new THREE.Mesh(surfaceGeometry(surfaces[shape.mesh]), paint(shape.color ?? PALE, true));
+      setPose(part, shape.pose);
+      part.scale.set(...(shape.mirror ?? [1, 1, 1]));
+      hold(part, shape.joint);
+    }
+    for (const shapes of alike(robot.shapes)) {
+      const form = merged(shapes);
+      if (form) hold(new THREE.Mesh(form, paint(shapes[0].color ?? PALE, false)), shapes[0].joint);
     }
   }
 
@@ -58,6 +64,29 @@ export class RobotView {
       }
     });
   }
+}
+
+const PALE = "#c0c4cc";
+
+/** Primitive shapes that move together and look alike: drawn as one, since every part costs time in every frame. */
+function alike(shapes: Shape[]): Iterable<Shape[]> {
+  const groups = new Map<string, Shape[]>();
+  for (const shape of shapes) {
+    if (shape.mesh !== undefined) continue;
+    const key = `${shape.joint} ${shape.color}`;
+    groups.set(key, [...(groups.get(key) ?? []), shape]);
+  }
+  return groups.values();
+}
+
+/** The shapes as one, in the frame of their joint; `undefined` if there are only planes. */
+function merged(shapes: Shape[]): THREE.BufferGeometry | undefined {
+  const forms = shapes.flatMap((shape) => {
+    const form = geometry(shape);
+    form?.deleteAttribute("uv");
+    return form ? [(form.index ? form.toNonIndexed() : form).applyMatrix4(matrixOf(shape.pose))] : [];
+  });
+  return forms.length > 0 ? mergeGeometries(forms) : undefined;
 }
 
 const DEPTH = new THREE.MeshBasicMaterial({ colorWrite: false, transparent: true, side: THREE.DoubleSide });

@@ -15,9 +15,12 @@ export interface Layers { forces: boolean; cones: boolean; contacts: boolean; pa
 
 export const LAYERS: Layers = { forces: true, cones: true, contacts: true, path: true, ghost: true, follow: false };
 
+/** Width over height of a picture whose caption stands over what it shows. */
+const NARROW = 1.7;
+
 const THEMES = {
   light: { background: "#eef1f5", line: "#7a8798", shadow: 0.24, sky: "#ffffff", ground: "#b9c0cb", ambient: 1.9, sun: 2.1, glow: "#000000" },
-  dark: { background: "#161a20", line: "#8fa0b8", shadow: 0.5, sky: "#dbe5f6", ground: "#626d80", ambient: 1.7, sun: 2.0, glow: "#22272f" },
+  dark: { background: "#161a20", line: "#8fa0b8", shadow: 0.5, sky: "#dbe5f6", ground: "#626d80", ambient: 1.7, sun: 2.0, glow: "#2f3641" },
 };
 
 export class Stage {
@@ -231,6 +234,8 @@ export class Stage {
     const up = new THREE.Vector3().crossVectors(away, right);
     const tall = Math.tan((this.camera.fov * Math.PI) / 360);
     const wide = tall * Math.max(this.camera.aspect, 0.2);
+    // Beside another plan there is no room to the right of the caption, so the picture leaves some below it.
+    const headroom = this.camera.aspect < NARROW ? 0.16 : 0;
     // Seen from afar, the tangents of the rays to all corners; a few rounds settle distance and middle.
     let distance = 4;
     for (let round = 0; round < 8; round++) {
@@ -243,9 +248,10 @@ export class Stage {
         extent.low = Math.min(extent.low, y); extent.high = Math.max(extent.high, y);
       }
       center.addScaledVector(right, (distance * (extent.left + extent.right)) / 2).addScaledVector(up, (distance * (extent.low + extent.high)) / 2);
-      const filled = Math.max((extent.right - extent.left) / 2 / wide, (extent.high - extent.low) / 2 / tall);
+      const filled = Math.max((extent.right - extent.left) / 2 / wide, (extent.high - extent.low) / 2 / (tall * (1 - headroom)));
       distance = Math.max(0.5, distance * (0.15 + 0.85 * (filled / 0.88)));
     }
+    center.addScaledVector(up, distance * tall * headroom);
     return distance;
   }
 

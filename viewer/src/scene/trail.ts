@@ -36,6 +36,7 @@ export class Trail {
     this.foot = new THREE.Mesh(new THREE.RingGeometry(0.014, 0.024, 32), strong);
     const dashes = new THREE.LineDashedMaterial({ color: COLOR, dashSize: 0.02, gapSize: 0.02, transparent: true, opacity: 0.6, depthTest: false });
     this.drop = new THREE.Line(new THREE.BufferGeometry().setFromPoints([new THREE.Vector3(), new THREE.Vector3(0, 0, -1)]), dashes);
+    this.drop.computeLineDistances();
     this.root.add(this.passed, this.dot, this.foot, this.drop);
     this.root.children.forEach((child) => { child.renderOrder = 3; });
   }
@@ -53,7 +54,6 @@ export class Trail {
     this.drop.position.copy(here);
     const height = here.z - this.floor;
     this.drop.scale.set(1, 1, Math.max(1e-3, height));
-    this.drop.computeLineDistances();
     const part = Math.round((time / this.plan.duration) * this.segments);
     this.passed.geometry.setDrawRange(0, part * this.sides * 6);
   }

@@ -4,12 +4,14 @@ import { el, short } from "../dom";
 import { ink, prepare, ticks } from "../timeline/chart";
 import type { Search, Stage } from "./data";
 
-const COLORS: Record<Stage, string> = { feasible: "#2fa36b", optimised: "#e0a02c", keyframes: "#d8473c", refused: "#a0504a", open: "#8f9aa8" };
+const COLORS: Record<Stage, string> = { feasible: "#2fa36b", optimised: "#e0a02c", keyframes: "#d8473c", alike: "#c98b5e", refused: "#a0504a", open: "#8f9aa8" };
 
 /** Every tried sequence at its time: solved ones by cost, the others below. */
 export function progressChart(search: Search, width: number, onPick: (node: number) => void): HTMLElement {
   const canvas = el("canvas", { "aria-label": "Sequences tried and cost of solutions over time" });
-  const [height, left, right, top, base] = [150, 44, 12, 12, 112];
+  const isSolved = search.raw.sequences.some((x) => x.reached === "feasible");
+  const [left, right, top, base] = [44, 12, 12, isSolved ? 112 : 12];
+  const height = base + 38;
   const context = prepare(canvas, width, height);
   const colors = ink();
   const { sequences } = search.raw;

@@ -3,7 +3,7 @@
 import { decodeMeshes, Plan, type Mesh, type RawPlan } from "../data";
 import { plain } from "./plain";
 
-export type Stage = "open" | "refused" | "keyframes" | "optimised" | "feasible";
+export type Stage = "open" | "refused" | "keyframes" | "alike" | "optimised" | "feasible";
 
 export interface Node {
   parent: number | null;
@@ -33,6 +33,8 @@ export interface Sequence {
   reason: string | null;
   cost: number | null;
   violation: number | null;
+  /** Phase in which the motion failed, from 0. */
+  failed_phase: number | null;
   iterations: number;
   seconds: number;
   reward: number;
@@ -47,6 +49,8 @@ interface RawSearch {
   search: string;
   seed: number;
   max_phases: number;
+  /** Contacts of the goal. */
+  goal: string[];
   nodes: RawNode[];
   reasons: string[];
   sequences: Sequence[];
@@ -61,6 +65,7 @@ export const STAGES: Record<Stage, { name: string; text: string }> = {
   feasible: { name: "solved", text: "a motion was found" },
   optimised: { name: "no motion", text: "keyframes exist, the full optimisation found no motion" },
   keyframes: { name: "no keyframes", text: "no configurations satisfy the whole sequence" },
+  alike: { name: "left out", text: "sequences that failed had the same contacts" },
   refused: { name: "refused", text: "no configurations satisfy this beginning" },
   open: { name: "open", text: "looked at on the way, not tried to the end" },
 };
@@ -131,6 +136,8 @@ export class Search {
 
 /** A reason without amounts and phases: what comes before the subject, and the subject. */
 export function kindOf(reason: string): string {
+  const alike = /^sequences .* have no motion at the contacts of phase \d+ \((.*)\)$/.exec(reason);
+  if (alike) return `others failed at ${alike[1]}`;
   const first = reason.split(/[;\n]/)[0].replace(/,?\s*(in|at|of)? phase \d+.*$/, "");
   const amount = /(,| by| stay| would slip) [\d.]+(e[+-]?\d+)? ?(mm|cm|m|N m|N|kg|s|%|°)?( apart| tilted| over the edge| too close| off)?(?=$|[ ,])/g;
   return first.replace(amount, "").replace(/: [\d.]+(e[+-]?\d+)? ?\S* (missing|off)/, ": $2").trim();

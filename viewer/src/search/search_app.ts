@@ -4,6 +4,7 @@ import { App } from "../app";
 import { el, percent, short } from "../dom";
 import { progressChart, reasonBars } from "./charts";
 import { Search, STAGES } from "./data";
+import { findings } from "./failure";
 import { plain } from "./plain";
 import { TreeView } from "./tree_view";
 
@@ -59,25 +60,40 @@ export class SearchApp {
     const facts: [string, string][] = [
       ["Solved", best ? `${reached("feasible")}, best cost ${short(best.cost ?? NaN, 4)}` : "nothing yet"],
       ["First solution", first(search)],
-      ["Sequences tried", `${raw.sequences.length} in ${short(last)} s`],
+      ["Sequences tried", raw.sequences.length > 0 ? `${raw.sequences.length} in ${short(last)} s` : "none to its end"],
       ["… no keyframes", String(reached("keyframes"))],
+      ["… left out", String(reached("alike"))],
       ["… no motion", String(reached("optimised"))],
       ["Contacts asked", `${states}, ${noState} refused`],
       ["Beginnings asked", `${beginnings}, ${noBeginning} refused`],
     ];
     this.overview.replaceChildren(
+      best ? "" : this.failure(search),
       el("h3", {}, "The search"), el("dl", { class: "facts" }, ...facts.flatMap(([name, value]) => [el("dt", {}, name), el("dd", {}, value)])),
-      el("h3", {}, "Cost of solutions over time"), progressChart(search, 340, (node) => this.select(node)),
-      el("h3", {}, "Why the rest failed"), reasonBars(search, (text) => this.tree.find(text, "")),
+      ...(raw.sequences.length > 0 ? [el("h3", {}, best ? "Cost of solutions over time" : "Sequences over time"), progressChart(search, 340, (node) => this.select(node))] : []),
+      el("h3", {}, best ? "Why the rest failed" : "Why beginnings and sequences failed"), reasonBars(search, (text) => this.tree.find(text, "")),
     );
+  }
+
+  /** That there is no plan, and what is known of why. */
+  private failure(search: Search): HTMLElement {
+    const { length } = search.raw.sequences;
+    const optimised = search.raw.sequences.filter((x) => x.reached === "optimised").length;
+    const tried = length === 0 ? "no sequence was tried to its end" : `${length} sequence${length > 1 ? "s" : ""} tried, ${optimised} as far as the full optimisation`;
+    return el("div", { class: "nothing" },
+      el("div", { class: "verdict bad" }, el("span", { class: "mark" }, "✕"), el("div", {}, el("b", {}, search.raw.live ? "No plan yet" : "No plan"), el("small", {}, tried))),
+      ...findings(search).map(({ text, detail, find }) => el("button", { class: "finding", title: "Show in the tree", click: () => this.tree.find(find, "") }, el("b", {}, text), el("small", {}, detail))));
   }
 
   private select(node: number): void {
     this.selected = node;
     if (node < 0) {
-      this.detail.replaceChildren(el("p", {}, "Choose a row of the tree to see how far it got and why not further."));
+      this.detail.replaceChildren(el("small", {}, "Choose a row of the tree to see how far it got and why not further."));
+      // What is known of the whole stands first then.
+      this.overview.after(this.detail);
       return;
     }
+    this.overview.before(this.detail);
     this.tree.select(node);
     const { nodes } = this.search;
     const at = nodes[node];

@@ -4,12 +4,23 @@ import type { Plan } from "../data";
 
 /** Room for the names at the left and for the last label at the right [px]. */
 export const LEFT = 172;
-export const RIGHT = 48;
+export const RIGHT = 56;
 
 export interface Ink { text: string; faint: string; grid: string; band: string; surface: string; accent: string; bad: string }
 
-/** The theme's colours for charts. */
+const inks = new Map<string | undefined, Ink>();
+
+/** The theme's colours for charts; asked for once per theme, since the browser works out all styles to answer. */
 export function ink(): Ink {
+  const { theme } = document.documentElement.dataset;
+  const known = inks.get(theme);
+  if (known) return known;
+  const fresh = readInk();
+  if (theme !== undefined) inks.set(theme, fresh);
+  return fresh;
+}
+
+function readInk(): Ink {
   const style = getComputedStyle(document.documentElement);
   const value = (name: string) => style.getPropertyValue(name).trim();
   return {
@@ -40,11 +51,15 @@ export class TimeAxis {
 /** Sizes a canvas for the display and clears it. */
 export function prepare(canvas: HTMLCanvasElement, width: number, height: number): CanvasRenderingContext2D {
   const scale = Math.max(1, window.devicePixelRatio);
-  canvas.width = Math.round(width * scale);
-  canvas.height = Math.round(height * scale);
-  canvas.style.width = `${width}px`;
-  canvas.style.height = `${height}px`;
+  const [wide, tall] = [Math.round(width * scale), Math.round(height * scale)];
+  // A canvas that is sized anew gets new memory, which is too much to do in every frame.
+  if (canvas.width !== wide || canvas.height !== tall) {
+    [canvas.width, canvas.height] = [wide, tall];
+    canvas.style.width = `${width}px`;
+    canvas.style.height = `${height}px`;
+  }
   const context = canvas.getContext("2d")!;
+  context.reset();
   context.setTransform(scale, 0, 0, scale, 0, 0);
   context.font = "11.5px system-ui, sans-serif";
   context.textBaseline = "middle";
@@ -68,6 +83,27 @@ export function fitted(context: CanvasRenderingContext2D, text: string, width: n
   let kept = text;
   while (kept.length > 1 && context.measureText(`${kept}…`).width > width) kept = kept.slice(0, -1);
   return kept.length > 1 ? `${kept}…` : "";
+}
+
+/** A text cut in its middle to a width, for names that differ at their ends. */
+export function fittedMiddle(context: CanvasRenderingContext2D, text: string, width: number): string {
+  let cut = text;
+  for (let kept = text.length - 1; kept > 1 && context.measureText(cut).width > width; kept--) {
+    const head = Math.floor(0.45 * kept);
+    cut = `${text.slice(0, head).trimEnd()}…${text.slice(text.length - (kept - head)).trimStart()}`;
+  }
+  return cut;
+}
+
+/** A text in at most `most` lines of a width, broken between words; the last is cut. */
+export function broken(context: CanvasRenderingContext2D, text: string, width: number, most: number): string[] {
+  const lines: string[] = [];
+  for (const word of text.split(" ")) {
+    const longer = `${lines[lines.length - 1]} ${word}`;
+    const isFull = lines.length === most || (lines.length > 0 && context.measureText(longer).width <= width);
+    if (isFull) lines[lines.length - 1] = longer; else lines.push(word);
+  }
+  return lines.map((line) => fitted(context, line, width));
 }
 
 /** Round numbers that divide a span of time. */

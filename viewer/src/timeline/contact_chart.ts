@@ -2,10 +2,13 @@
 
 import type { Colors } from "../colors";
 import type { Contact, Plan } from "../data";
-import { fitted, LEFT, phaseBands, prepare, ticks, TimeAxis, type Chart, type Hint, type Ink } from "./chart";
+import { broken, fitted, LEFT, phaseBands, prepare, ticks, TimeAxis, type Chart, type Hint, type Ink } from "./chart";
 
 const ROW = 19;
-const PHASES = 24;
+const PHASES = 34;
+/** Room below which a phase shows its number alone, and distance of two lines of its name [px]. */
+const NARROW = 54;
+const LINE = 13;
 const TIMES = 18;
 
 interface Bar { row: number; partner: number; from: number; to: number; contact: Contact }
@@ -72,8 +75,9 @@ export class ContactChart implements Chart {
       const full = `${k + 1} ${phase.action}`;
       context.fillStyle = ink.text;
       context.textAlign = "left";
-      const text = context.measureText(full).width <= room || room > 54 ? fitted(context, full, room) : fitted(context, String(k + 1), room + 4);
-      if (text) context.fillText(text, from + 4, PHASES / 2);
+      const isWide = room > NARROW || context.measureText(full).width <= room;
+      const lines = isWide ? broken(context, full, room, 2) : [fitted(context, String(k + 1), room + 4)];
+      lines.forEach((line, i) => context.fillText(line, from + 4, PHASES / 2 + LINE * (i - (lines.length - 1) / 2)));
       context.fillStyle = ink.grid;
       context.fillRect(from, 3, 1, PHASES - 6);
     });

@@ -65,12 +65,15 @@ function speedShares(plan: Plan): Curve[] {
 /** A curve per pair of interfaces over all phases, with gaps where they are apart. */
 function perContact(plan: Plan, colors: Colors, value: (contact: Contact, interval: number) => number): Curve[] {
   const byPair = new Map<string, Curve & { values: Float64Array }>();
+  const owners: number[] = [];
   for (const phase of plan.phases) {
     for (const contact of phase.contacts) {
       const name = plan.contactName(contact);
       let curve = byPair.get(name);
       if (!curve) {
-        curve = { name, color: lineColor(plan, colors, contact), values: new Float64Array(plan.tau.length).fill(NaN) };
+        const earlier = owners.filter((x) => x === contact.a).length;
+        owners.push(contact.a);
+        curve = { name, color: lineColor(plan, colors, contact, earlier), values: new Float64Array(plan.tau.length).fill(NaN) };
         byPair.set(name, curve);
       }
       for (let i = 0; i < phase.steps; i++) curve.values[phase.start + i] = value(contact, i);
@@ -79,10 +82,11 @@ function perContact(plan: Plan, colors: Colors, value: (contact: Contact, interv
   return [...byPair.values()].filter((curve) => curve.values.some(Number.isFinite));
 }
 
-/** Feet and hands by side, hands a little different from feet. */
-function lineColor(plan: Plan, colors: Colors, contact: Contact): string {
-  const own = colors.interface(contact.a);
-  return plan.raw.interfaces[contact.a].name.includes("hand") ? `color-mix(in oklab, ${own}, #8f6bc7 60%)` : own;
+/** Feet and hands by side, hands a little different from feet; what touches its second partner or a later one takes some of their colour. */
+function lineColor(plan: Plan, colors: Colors, contact: Contact, earlier: number): string {
+  const side = colors.interface(contact.a);
+  const own = plan.raw.interfaces[contact.a].name.includes("hand") ? `color-mix(in oklab, ${side}, #8f6bc7 60%)` : side;
+  return earlier > 0 ? `color-mix(in oklab, ${own}, ${colors.interface(contact.b)} 55%)` : own;
 }
 
 function heights(plan: Plan): Curve[] {
@@ -108,5 +112,5 @@ function costRates(plan: Plan): Curve[] {
 
 function residuals(plan: Plan): Curve[] {
   const rows = plan.raw.check.rows.filter((row) => row.over_time);
-  return largest(rows.map((row) => ({ name: row.category, color: "", values: decode(row.over_time!, row.category).values })), MOST);
+  return largest(rows.map((row) => ({ name: row.category.replaceAll("_", " "), color: "", values: decode(row.over_time!, row.category).values })), MOST);
 }

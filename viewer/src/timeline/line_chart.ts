@@ -2,7 +2,7 @@
 
 import { short } from "../dom";
 import type { Plan } from "../data";
-import { fitted, LEFT, phaseBands, prepare, ticks, TimeAxis, type Chart, type Hint, type Ink } from "./chart";
+import { fittedMiddle, LEFT, phaseBands, prepare, ticks, TimeAxis, type Chart, type Hint, type Ink } from "./chart";
 
 export interface Curve {
   name: string;
@@ -70,7 +70,7 @@ export class LineChart implements Chart {
       context.fillRect(8, y - 4, 8, 8);
       context.fillStyle = ink.text;
       context.textAlign = "left";
-      context.fillText(fitted(context, curve.name, LEFT - 32), 21, y);
+      context.fillText(fittedMiddle(context, curve.name, LEFT - 32), 21, y);
     });
     if (limit !== undefined) {
       context.strokeStyle = ink.bad;

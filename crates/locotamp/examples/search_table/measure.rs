@@ -143,7 +143,10 @@ impl<'a> Watch<'a> {
                 let now = self.now();
                 self.search.get_or_insert(now);
             }
-            Event::Started { .. } | Event::Keyframes { .. } | Event::Explaining { .. } => {}
+            Event::Started { .. }
+            | Event::Keyframes { .. }
+            | Event::Explaining { .. }
+            | Event::Tried { .. } => {}
         }
         true
     }

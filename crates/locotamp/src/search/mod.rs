@@ -59,7 +59,7 @@ pub fn plan(
     check_start(scene, &planner)?;
     let (graph, limits) = domain::graph(scene)?;
     let Some(skeleton) = graph.shortest_skeleton() else {
-        let goal = goal_text(scene);
+        let goal = goal_contacts(scene).join(", ");
         return Err(Error::Unreachable(format!(
             "no sequence of grasp, lift, place and release leads to the goal {goal}; does a hand accept the object's \
              handle or two opposite patches, and the goal surface its bottom?"
@@ -78,6 +78,7 @@ pub fn plan(
                 request.seed,
                 &content,
                 policy.max_phases(),
+                goal_contacts(scene),
             );
             Journal::open(path, request.resume, &header)?
         }
@@ -321,16 +322,10 @@ fn resting(scene: &Scene) -> Vec<Contact> {
         .collect()
 }
 
-fn goal_text(scene: &Scene) -> String {
-    let pairs: Vec<_> = scene
-        .goal_contacts
-        .iter()
-        .map(|g| {
-            format!(
-                "{} on {}",
-                scene.interfaces[g.a.0].name, scene.interfaces[g.b.0].name
-            )
-        })
-        .collect();
-    pairs.join(", ")
+fn goal_contacts(scene: &Scene) -> Vec<String> {
+    let name = |i: usize| &scene.interfaces[i].name;
+    let goals = scene.goal_contacts.iter();
+    goals
+        .map(|goal| format!("{} on {}", name(goal.a.0), name(goal.b.0)))
+        .collect()
 }

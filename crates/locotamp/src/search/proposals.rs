@@ -213,7 +213,7 @@ impl Run<'_> {
             self.reject_prefix(sequence, &phases);
         }
         self.policy.learn(&sequence.states, known.reward);
-        self.attempts.push(Attempt {
+        self.count(Attempt {
             number,
             labels: sequence.labels.clone(),
             reached: if alike {

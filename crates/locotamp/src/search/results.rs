@@ -76,7 +76,7 @@ impl Run<'_> {
         };
         if known.is_some() {
             self.policy.learn(&sequence.states, reward);
-            self.attempts.push(attempt);
+            self.count(attempt);
         } else {
             self.conclude(&sequence, attempt, reward, Some((&done, promise)));
         }
@@ -164,7 +164,16 @@ impl Run<'_> {
             point: kept.and_then(|m| Some(PointEntry::new(&m.steps, m.point.as_ref()?))),
         };
         self.checks.journal.note_sequence(tried);
+        self.count(attempt);
+    }
+
+    /// Adds a sequence to those that were tried.
+    pub fn count(&mut self, attempt: Attempt) {
+        let Attempt {
+            number, reached, ..
+        } = attempt;
         self.attempts.push(attempt);
+        self.tell(&Event::Tried { number, reached });
     }
 
     /// Stops what is under way, refines the best plan that can be refined and puts everything together.

@@ -1,6 +1,6 @@
 //! Whole searches on a small scene: the same for a seed however many threads there are, and continued from their journal.
 
-use locotamp::{Attempt, Error, Outcome, Reached, Request, Search, Stop};
+use locotamp::{Attempt, Error, Event, Outcome, Reached, Request, Search, Stop};
 use scene::Scene;
 use std::path::Path;
 use std::sync::atomic::Ordering;
@@ -25,6 +25,26 @@ fn plan(request: &Request) -> Outcome {
 fn results(attempts: &[Attempt]) -> Vec<(usize, Vec<String>, Reached)> {
     let one = |a: &Attempt| (a.number, a.labels.clone(), a.reached);
     attempts.iter().map(one).collect()
+}
+
+#[test]
+fn the_observer_is_told_of_every_sequence_that_counts_as_tried() {
+    let scene = Scene::builtin("side-step").expect("a built-in scene");
+    let mut told = Vec::new();
+    let mut observe = |event: &Event| {
+        if let Event::Tried { number, reached } = event {
+            told.push((*number, *reached));
+        }
+        true
+    };
+    let outcome = locotamp::plan(&scene, &request(None), &mut observe).expect("a planning problem");
+    let tried: Vec<_> = outcome
+        .attempts
+        .iter()
+        .map(|x| (x.number, x.reached))
+        .collect();
+    assert!(!tried.is_empty());
+    assert_eq!(told, tried);
 }
 
 #[test]

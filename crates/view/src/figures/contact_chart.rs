@@ -88,7 +88,7 @@ fn draw(drawing: &mut Drawing, motion: &Motion, title: &str, top: f64, longest: 
             &palette::of_interface(plan, partner),
             2.0,
         );
-        let text = fitted(&label(&partner.name), 7.0, to - from - 6.0);
+        let text = fitted(&label(&partner.name), 7.0, to - from - 9.0);
         drawing.text(
             [from + 4.0, y + ROW / 2.0],
             &text,

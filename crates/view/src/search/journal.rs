@@ -16,6 +16,8 @@ pub(crate) struct Header {
     pub search: String,
     pub seed: u64,
     pub max_phases: usize,
+    /// Contacts of the goal.
+    pub goal: Vec<String>,
 }
 
 /// Whether contacts, or a beginning, are possible.
@@ -40,6 +42,8 @@ pub(crate) struct Tried {
     pub reason: Option<String>,
     pub cost: Option<f64>,
     pub violation: Option<f64>,
+    /// Phase in which the motion failed, from 0.
+    pub failed_phase: Option<usize>,
     pub iterations: usize,
     pub seconds: f64,
     pub reward: f64,

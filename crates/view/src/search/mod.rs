@@ -32,6 +32,8 @@ pub(crate) struct SearchData {
     search: String,
     seed: u64,
     max_phases: usize,
+    /// Contacts of the goal, with blanks for underscores.
+    goal: Vec<String>,
     /// The tree of all beginnings that were looked at, parents first.
     nodes: Vec<NodeData>,
     /// Why nodes got no further, each text once.
@@ -130,6 +132,9 @@ impl Run {
             search: journal.header.search,
             seed: journal.header.seed,
             max_phases: journal.header.max_phases,
+            goal: (journal.header.goal.iter())
+                .map(|x| x.replace('_', " "))
+                .collect(),
             nodes: tree.nodes,
             reasons: tree.reasons,
             sequences: tree.sequences,

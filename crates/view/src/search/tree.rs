@@ -28,7 +28,7 @@ pub(crate) struct NodeData {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
     /// How far the best of them, or the beginning itself, got: `open`, `refused` (its own keyframes), `keyframes` (of a
-    /// complete sequence), `optimised`, `feasible`.
+    /// complete sequence), `alike` (left out, since others failed at the same contacts), `optimised`, `feasible`.
     pub reached: &'static str,
     /// Why not further, in the planner's words: index into the reasons of the tree.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -51,6 +51,7 @@ pub(crate) struct SequenceData {
     pub reason: Option<String>,
     pub cost: Option<f64>,
     pub violation: Option<f64>,
+    pub failed_phase: Option<usize>,
     pub iterations: usize,
     pub seconds: f64,
     pub reward: f64,
@@ -77,7 +78,14 @@ pub(crate) struct Tree {
 }
 
 /// In order of what was got to.
-const STAGES: [&str; 5] = ["open", "refused", "keyframes", "optimised", "feasible"];
+const STAGES: [&str; 6] = [
+    "open",
+    "refused",
+    "keyframes",
+    "alike",
+    "optimised",
+    "feasible",
+];
 
 /// Builds the tree.
 pub(crate) fn build(journal: &Journal) -> Tree {
@@ -122,6 +130,7 @@ pub(crate) fn build(journal: &Journal) -> Tree {
             reason: tried.reason.clone(),
             cost: tried.cost,
             violation: tried.violation,
+            failed_phase: tried.failed_phase,
             iterations: tried.iterations,
             seconds: rounded(tried.seconds, 3),
             reward: tried.reward,
