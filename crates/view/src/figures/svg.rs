@@ -139,6 +139,8 @@ impl Drawing {
         let [width, height] = [self.width, self.height].map(|x| (x * scale).ceil() as u32);
         let mut sheet = tiny_skia::Pixmap::new(width, height)
             .ok_or_else(|| failed(format!("no sheet of {width} by {height} pixels")))?;
+        // The drawing ends within the last pixels.
+        sheet.fill(tiny_skia::Color::WHITE);
         let scale = tiny_skia::Transform::from_scale(scale as f32, scale as f32);
         resvg::render(&tree, scale, &mut sheet.as_mut());
         sheet
@@ -224,5 +226,18 @@ mod tests {
         };
         assert_eq!(dark(""), 0);
         assert!(dark("τ ≤ 3 N m") > 100);
+    }
+
+    #[test]
+    fn a_png_is_opaque_to_its_last_pixel() {
+        let png = Drawing::new(80.3, 20.1).png(2.0).unwrap();
+        let sheet = tiny_skia::Pixmap::decode_png(&png).unwrap();
+        assert_eq!((sheet.width(), sheet.height()), (161, 41));
+        assert!(
+            sheet
+                .pixels()
+                .iter()
+                .all(|p| p.alpha() == 255 && p.red() > 200)
+        );
     }
 }
