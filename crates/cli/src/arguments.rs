@@ -68,8 +68,8 @@ impl Command {
 pub(crate) struct PlanOptions {
     /// Name of a built-in scene (see `locotamp scenes`), or path of a .toml file
     pub scene: String,
-    /// Folder for plan.json [default: a fresh one, runs/<date>-<time>-<scene>]
-    #[arg(long, value_name = "DIR")]
+    /// Folder for plans, journal and the page of the search [default: a fresh one, runs/<date>-<time>-<scene>]
+    #[arg(long, visible_alias = "report", value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Seed of random choices; the same scene and seed give the same plan
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -369,6 +369,17 @@ mod tests {
     #[test]
     fn the_definition_is_consistent() {
         Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn the_folder_of_a_run_goes_by_two_names() {
+        for name in ["--out", "--report"] {
+            let given = ["locotamp", "plan", "pick-place", name, "here"];
+            let Command::Plan(options) = Arguments::parse_from(given).command else {
+                panic!("another command");
+            };
+            assert_eq!(options.out.as_deref(), Some("here".as_ref()));
+        }
     }
 
     #[test]
