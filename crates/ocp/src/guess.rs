@@ -378,15 +378,7 @@ mod tests {
     fn what_an_object_stands_on_bears_the_robot_on_it_too() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/climb.toml");
         let scene = Scene::load(&path).unwrap();
-        let interface = |name: &str| {
-            InterfaceId(
-                scene
-                    .interfaces
-                    .iter()
-                    .position(|i| i.name == name)
-                    .unwrap(),
-            )
-        };
+        let interface = |name: &str| scene.interface_id(name).unwrap();
         let contact = |a: &str, b: &str| Contact {
             a: interface(a),
             b: interface(b),

@@ -243,18 +243,15 @@ impl Run<'_> {
                 .filter(|a| a.reached == reached)
                 .count()
         };
-        let feasible = count(Reached::Feasible);
-        let optimised = feasible + count(Reached::Optimised);
+        let optimised = count(Reached::Feasible) + count(Reached::Optimised);
+        let plans = self.diverse.len();
         let request = self.request;
         if self.is_stopped() {
             Some("stopped by the caller".into())
         } else if self.shop.begin.elapsed().as_secs_f64() > self.deadline() {
             Some(format!("time limit of {} s", request.time_limit))
-        } else if self.diverse.len() >= request.solutions {
-            Some(format!(
-                "{} plan(s) found, as asked for",
-                self.diverse.len()
-            ))
+        } else if plans >= request.solutions {
+            Some(format!("{plans} plan(s) found, as asked for"))
         } else if optimised >= request.max_optimised {
             Some(format!("{optimised} sequences optimised, the limit"))
         } else {
