@@ -14,7 +14,7 @@
 
 use crate::collision::{Clearances, ExtraClearance, Watched};
 use crate::guess;
-use crate::motion::{Planner, Worst, near, worst_row};
+use crate::motion::{Planner, Worst, near, report_at, worst_row};
 use crate::problem::Trajectory;
 use crate::program::{Grid, Phase, Program};
 use crate::resistance::{Pull, pulls, violations};
@@ -145,6 +145,16 @@ impl Planner<'_> {
         ask.solve(nodes.to_vec(), near).0
     }
 
+    /// Keyframes of the whole sequence near or at configurations that satisfy its contacts; `None` if that fails.
+    pub fn keyframes_at(
+        &self,
+        nodes: &[Vec<f64>],
+        phases: &[Phase],
+        settings: &Settings,
+    ) -> Option<Keyframes> {
+        Ask::new(self, phases, settings, Grid::Keyframes).answer_near(nodes.to_vec())
+    }
+
     /// Keyframes of the beginning of a sequence: the goal need not be reached yet. Long ones without the last, slow attempts,
     /// since a search comes across beginnings by the hundred.
     pub fn keyframes_of_prefix(&self, phases: &[Phase], settings: &Settings) -> Keyframes {
@@ -156,14 +166,16 @@ impl Planner<'_> {
         }
     }
 
-    /// The same where keyframes of the first phases are known.
+    /// The same where keyframes of the first phases are known. `another` guess of all is asked for if what follows from these
+    /// fails.
     pub fn keyframes_of_longer(
         &self,
         known: &[Vec<f64>],
         phases: &[Phase],
         settings: &Settings,
+        another: &mut dyn FnMut() -> Option<Vec<Vec<f64>>>,
     ) -> Keyframes {
-        Ask::new(self, phases, settings, Grid::OpenKeyframes).answer_after(known)
+        Ask::new(self, phases, settings, Grid::OpenKeyframes).answer_after(known, another)
     }
 }
 
@@ -183,8 +195,17 @@ pub(crate) struct Ask<'a> {
     phases: &'a [Phase],
     settings: &'a Settings,
     grid: Grid,
+    pace: Pace,
+}
+
+/// How fast a solve goes away from its guess.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Pace {
+    Swift,
     /// Short steps: slower, with other local minima.
-    careful: bool,
+    Careful,
+    /// Hardly: the guess satisfies everything.
+    Known,
 }
 
 impl<'a> Ask<'a> {
@@ -200,7 +221,7 @@ impl<'a> Ask<'a> {
             phases,
             settings,
             grid,
-            careful: false,
+            pace: Pace::Swift,
         }
     }
 
@@ -217,7 +238,7 @@ impl<'a> Ask<'a> {
         let mut settings = self.settings.clone();
         settings.weights.final_posture = settings.weights.posture;
         let careful = Ask {
-            careful: true,
+            pace: Pace::Careful,
             settings: &settings,
             ..*self
         };
@@ -248,14 +269,22 @@ impl<'a> Ask<'a> {
         (less_violated(first, second), resist, vec![guess, forward])
     }
 
-    /// Solves from keyframes of the first phases, then from a guess from the sequence alone, then, for few phases and unless both
-    /// ended far from satisfying everything, from both with short steps.
-    fn answer_after(&self, known: &[Vec<f64>]) -> Keyframes {
+    /// Solves from keyframes of the first phases, then from another guess, if there is one, then from one from the sequence alone,
+    /// then, for few phases and unless these ended far from satisfying everything, from the first and the last with short
+    /// steps.
+    fn answer_after(
+        &self,
+        known: &[Vec<f64>],
+        another: &mut dyn FnMut() -> Option<Vec<Vec<f64>>>,
+    ) -> Keyframes {
         let (planner, phases) = (self.planner, self.phases);
         let after = planner.guess_after(known, phases);
         let (from_known, known_rows) = self.solve(after.clone(), self.near(&after, NEAR));
         if from_known.possible {
             return from_known;
+        }
+        if let Some(from_another) = another().and_then(|nodes| self.answer_near(nodes)) {
+            return from_another;
         }
         let guess = guess::keyframes(planner.scene, &planner.system, phases);
         let (first, first_rows) = self.solve(guess.clone(), Watched::new());
@@ -268,6 +297,32 @@ impl<'a> Ask<'a> {
             return best;
         }
         self.carefully(best, rows, vec![after, guess])
+    }
+
+    /// From keyframes that should satisfy everything: others near them, with less strain, or they themselves; `None` if they do
+    /// not.
+    fn answer_near(&self, nodes: Vec<Vec<f64>>) -> Option<Keyframes> {
+        let near = self.near(&nodes, NEAR);
+        let known = Ask {
+            pace: Pace::Known,
+            ..*self
+        };
+        let found = known.solve(nodes.clone(), near.clone()).0;
+        if found.possible {
+            return Some(found);
+        }
+        let mut trajectory = Trajectory::new(self.first_program(&nodes, &near));
+        let point = guess::point(&trajectory.program, self.planner.scene, nodes);
+        let report = report_at(&mut trajectory, &point);
+        (report.violation <= KEYFRAME_TOLERANCE).then(|| Keyframes {
+            violated: vec![],
+            pulls: vec![],
+            worst: worst_row(&trajectory.program, &report, 1e-7),
+            nodes: point.nodes,
+            possible: true,
+            iterations: found.iterations,
+            report,
+        })
     }
 
     /// Rows of all that is nearer than `distance` [m] at these configurations of the first nodes.
@@ -342,7 +397,7 @@ impl<'a> Ask<'a> {
                 &mut point,
                 &self.options(),
                 None,
-                &mut |i| stagnation.goes_on(i),
+                &mut |i| self.pace == Pace::Known || stagnation.goes_on(i),
             );
             iterations += report.iterations;
             let possible = report.violation <= KEYFRAME_TOLERANCE;
@@ -380,25 +435,30 @@ impl<'a> Ask<'a> {
     fn options(&self) -> Options {
         let lone = self.grid == Grid::State;
         let optimality = if lone { f64::INFINITY } else { 1e-2 };
-        let swift = if self.careful {
-            Options::default()
-        } else {
-            Options {
-                initial_barrier: 1e-3,
-                first_damping: 1.0,
-                tightening: 0.8,
-                ..Options::default()
-            }
+        let swift = Options {
+            initial_barrier: 1e-3,
+            first_damping: 1.0,
+            tightening: 0.8,
+            ..Options::default()
+        };
+        let pace = match self.pace {
+            Pace::Swift => swift,
+            Pace::Careful => Options::default(),
+            Pace::Known => Options {
+                initial_barrier: 1e-4,
+                bound_push: 1e-4,
+                ..swift
+            },
         };
         Options {
-            max_iterations: 80,
+            max_iterations: if self.pace == Pace::Known { 40 } else { 80 },
             stall_iterations: 25, // cheap, and to refuse a possible sequence is expensive
             feasibility_tolerance: if lone { 0.5 * KEYFRAME_TOLERANCE } else { 1e-6 },
             dual_tolerance: optimality,
             complementarity_tolerance: optimality,
             min_barrier: 1e-6,
             keeps_filter: true, // without it a beginning of `climb/carry` ends in a local minimum
-            ..swift
+            ..pace
         }
     }
 

@@ -14,6 +14,7 @@ mod keyframes;
 mod momentum;
 pub mod motion;
 mod objective;
+mod pace;
 mod path;
 mod point;
 mod problem;

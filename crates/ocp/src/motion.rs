@@ -407,7 +407,7 @@ pub(crate) fn violation_of(program: &Program, point: &Point) -> f64 {
 }
 
 /// What a solver would report of a point that it leaves as it is: no multipliers.
-fn report_at(trajectory: &mut Trajectory, point: &Point) -> Report {
+pub(crate) fn report_at(trajectory: &mut Trajectory, point: &Point) -> Report {
     let data = evaluate(trajectory, point);
     let structure = trajectory.structure();
     let rows: Vec<f64> = data.iter().flat_map(|d| d.values.iter().copied()).collect();

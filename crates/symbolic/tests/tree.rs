@@ -6,8 +6,8 @@ use crate::fixtures::{id, one_box};
 use crate::problems::{best_first, pick_place, two_box, with_goal};
 use symbolic::search::{AcceptAll, Rejected};
 use symbolic::{
-    ContactState, Costs, Ending, Goal, Oracle, Policy, SearchLimits, Sequence, Status, TreeSearch,
-    Verdict,
+    Contact, ContactState, Costs, Ending, Goal, Oracle, Policy, Rollouts, SearchLimits, Sequence,
+    Status, TreeSearch, Verdict,
 };
 
 fn tree(seed: u64) -> TreeSearch {
@@ -154,6 +154,38 @@ fn what_the_oracle_refuses_and_what_is_taken_back_never_comes() {
             search.reject(Rejected::Prefix(prefix.clone()), "too far".to_owned());
             taken_back = Some(prefix);
         }
+    }
+}
+
+/// Refuses all contacts of hands, and nothing else.
+struct NoHands;
+
+impl Oracle for NoHands {
+    fn state(&mut self, state: &ContactState) -> Verdict {
+        let domain = one_box(3);
+        let hands = ["left_hand", "right_hand"].map(|hand| id(&domain, hand));
+        let of_hand = |c: &Contact| hands.contains(&c.a);
+        match state.iter().find(of_hand) {
+            Some(contact) => Verdict::RejectContacts(
+                std::iter::once(contact).collect(),
+                "no hand fits".to_owned(),
+            ),
+            None => Verdict::Accept,
+        }
+    }
+}
+
+#[test]
+fn where_no_skeleton_is_left_all_policies_say_so_at_once() {
+    let limits = SearchLimits::default();
+    let mut policies: [Box<dyn Policy>; 3] = [
+        Box::new(tree(0)),
+        Box::new(best_first(pick_place())),
+        Box::new(Rollouts::new(pick_place(), &limits, Costs::default(), 0)),
+    ];
+    for policy in &mut policies {
+        assert!(policy.next(&mut NoHands).is_none());
+        assert_eq!(policy.status(), Status::NoSkeleton);
     }
 }
 

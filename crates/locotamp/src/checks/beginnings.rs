@@ -1,11 +1,12 @@
 //! Keyframes of beginnings of sequences: each from those of a shorter one, remembered, with feet set anew where they stand wrong.
 
 use super::Checks;
+use super::in_place::in_place;
 use crate::journal::{Answer, States};
 use ocp::{Keyframes, Phase};
-use scene::Role;
+use scene::{Owner, Role};
 use std::time::Instant;
-use symbolic::{Contact, ContactState};
+use symbolic::{Contact, ContactState, InterfaceId};
 
 /// Way of the base that one swing allows at most [m], and what turning by 1 rad counts for [m].
 const STRIDE: f64 = 0.5;
@@ -46,7 +47,10 @@ impl Checks<'_> {
         let known = self.nodes(phases)?;
         let (planner, settings) = (self.planner, self.settings);
         let from = planner.keyframes_after(&known, phases, settings, false);
-        from.possible.then_some(from)
+        if from.possible {
+            return Some(from);
+        }
+        planner.keyframes_at(&known, phases, settings)
     }
 
     /// From the keyframes of the longest shorter beginning that had to be checked; if that fails, from nothing.
@@ -61,11 +65,28 @@ impl Checks<'_> {
         }
         let known = shorter.and_then(|k| self.nodes(&phases[..k]));
         let found = match known {
-            Some(known) => planner.keyframes_of_longer(&known, phases, settings),
+            Some(known) => {
+                let mut in_place = || self.guess_in_place(phases);
+                planner.keyframes_of_longer(&known, phases, settings, &mut in_place)
+            }
             None => planner.keyframes_of_prefix(phases, settings),
         };
         self.remember(phases, &found);
         found
+    }
+
+    /// From keyframes in which nobody takes a step, if there are any.
+    fn guess_in_place(&mut self, phases: &[Phase]) -> Option<Vec<Vec<f64>>> {
+        let states: Vec<ContactState> = phases.iter().map(|p| p.state.clone()).collect();
+        let interface = |i: InterfaceId| &self.scene.interfaces[i.0];
+        let stands = |c: &Contact| {
+            let pair = (interface(c.a).owner, interface(c.b).owner);
+            matches!(pair, (Owner::Robot { .. }, Owner::Static(_)))
+        };
+        let still = in_place(&states, stands)?;
+        let phases: Vec<Phase> = still.states.iter().map(|s| self.phase(s.clone())).collect();
+        let nodes = self.nodes(&phases)?;
+        Some(still.with_steps(&nodes))
     }
 
     fn remember(&mut self, phases: &[Phase], found: &Keyframes) {

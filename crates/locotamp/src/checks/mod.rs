@@ -6,6 +6,7 @@
 //! impossible, so that one rejection concerns as many states as it can.
 
 mod beginnings;
+mod in_place;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Instant;

@@ -275,6 +275,9 @@ impl Run<'_> {
     fn exhausted(&self) -> String {
         match self.policy.status() {
             symbolic::Status::Full => "memory limit of the sequence search".into(),
+            symbolic::Status::NoSkeleton => {
+                "every order of grasps and places needs contacts that are impossible".into()
+            }
             _ => format!(
                 "all contact sequences of at most {} phases were tried",
                 self.policy.max_phases()

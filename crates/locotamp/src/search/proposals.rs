@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::results::name;
-use super::workers::{Evaluated, Job, Start};
+use super::workers::{Evaluated, Job, Start, with_steps};
 use super::{Run, reward};
 use crate::api::{Attempt, Event, Reached};
 use crate::journal::Tried;
@@ -75,12 +75,19 @@ impl Run<'_> {
             Work::Remembered(done) => {
                 self.results.insert(candidate.number, done);
             }
-            Work::Optimise(start) => self.workers.submit(Job {
-                number: candidate.number,
-                labels: candidate.sequence.labels.clone(),
-                phases: self.phases(&candidate.sequence),
-                start,
-            }),
+            Work::Optimise(start) => {
+                let phases = self.phases(&candidate.sequence);
+                let phases = match &start {
+                    Start::Keyframes(nodes, _) => self.paced(&phases, nodes),
+                    Start::Known(point, _) => with_steps(&phases, &point.steps),
+                };
+                self.workers.submit(Job {
+                    number: candidate.number,
+                    labels: candidate.sequence.labels.clone(),
+                    phases,
+                    start,
+                });
+            }
         }
         self.under_way.push_back(candidate);
         true
@@ -117,6 +124,11 @@ impl Run<'_> {
         };
         self.waiting.push((candidate, work));
         true
+    }
+
+    /// The phases with the intervals that the way between their keyframes takes.
+    fn paced(&self, phases: &[Phase], nodes: &[Vec<f64>]) -> Vec<Phase> {
+        self.shop.planner.paced(phases, self.shop.settings, nodes)
     }
 
     /// What the run that is continued found out about a sequence.
@@ -156,7 +168,7 @@ impl Run<'_> {
             return None;
         }
         let promise = STRAIN * keyframes.report.objective + PHASE * phases.len() as f64;
-        let relative = nearest(&self.relatives, &phases);
+        let relative = nearest(&self.relatives, &self.paced(&phases, &keyframes.nodes));
         Some((promise, Start::Keyframes(keyframes.nodes, relative)))
     }
 

@@ -163,8 +163,7 @@ impl Shop<'_> {
         let (planner, settings, phases) = (self.planner, self.settings, &job.phases);
         let mut motion = match job.start {
             Start::Known(point, feasible) => {
-                let phases = with_steps(phases, &point.steps);
-                let mut motion = self.restore(&phases, point.into());
+                let mut motion = self.restore(phases, point.into());
                 motion.feasible = feasible;
                 return self.report(&job.labels, &mut motion, None);
             }

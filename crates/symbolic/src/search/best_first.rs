@@ -68,7 +68,7 @@ impl BestFirst {
         let bounds = limits.resolve(&graph);
         let mut search = Self {
             expansion: Expansion::new(graph, bounds, costs),
-            verdicts: Verdicts::default(),
+            verdicts: Verdicts::new(),
             tree: Vec::new(),
             queue: BinaryHeap::new(),
             age: 0,
@@ -243,6 +243,10 @@ impl Policy for BestFirst {
             }
             if self.tree.len() >= self.expansion.bounds.max_nodes {
                 self.status = Status::Full;
+                return None;
+            }
+            if !self.verdicts.leaves_a_skeleton(&self.expansion.graph) {
+                self.status = Status::NoSkeleton;
                 return None;
             }
             let Some(Reverse(entry)) = self.queue.pop() else {

@@ -99,6 +99,8 @@ pub enum Status {
     Running,
     /// Every sequence within the limits has been returned or rejected.
     Exhausted,
+    /// Every order of manipulation actions needs contacts that were rejected; steps of the feet do not change that.
+    NoSkeleton,
     /// The limit on memory is reached.
     Full,
     /// The oracle asked to stop; the next call resumes.

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::contact::ContactState;
 use crate::graph::{Node, SkeletonGraph, StateId};
 use crate::search::oracle::{Oracle, Verdict};
+use crate::task_graph::TaskState;
 
 /// What was rejected.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -60,6 +61,8 @@ pub(crate) struct Verdicts {
     rejected_prefixes: BTreeSet<Vec<StateId>>,
     accepted_prefixes: Option<BTreeSet<Vec<StateId>>>,
     rejections: Vec<Rejection>,
+    /// For so many rejected sets of contacts: is a skeleton left.
+    skeletons: (usize, bool),
     /// Grows when a rejection concerns what may have been accepted before.
     pub(crate) revision: u32,
     pub(crate) counts: Counts,
@@ -70,6 +73,14 @@ impl Verdicts {
     pub(crate) fn remembering_accepted() -> Self {
         Self {
             accepted_prefixes: Some(BTreeSet::new()),
+            ..Self::new()
+        }
+    }
+
+    /// Nothing rejected yet.
+    pub(crate) fn new() -> Self {
+        Self {
+            skeletons: (0, true),
             ..Self::default()
         }
     }
@@ -195,6 +206,33 @@ impl Verdicts {
         self.states.get(&node.state) != Some(&false)
             && !self.rejected_contacts.iter().any(|c| c.is_subset(state))
             && !self.is_rejected_unmoved(state, graph.unmoved(node.position))
+    }
+
+    /// True if some skeleton needs no contacts that were rejected wherever they occur.
+    pub(crate) fn leaves_a_skeleton(&mut self, graph: &SkeletonGraph) -> bool {
+        let known = self.rejected_contacts.len() + self.rejected_unmoved.len();
+        if self.skeletons.0 == known {
+            return self.skeletons.1;
+        }
+        let open = |position: TaskState| {
+            let imposed = graph.imposed(position);
+            let rejected = |contacts: &ContactState| contacts.is_subset(imposed);
+            !self.rejected_contacts.iter().any(rejected)
+                && !self.is_rejected_unmoved(imposed, graph.unmoved(position))
+        };
+        let tasks = graph.skeletons();
+        let (mut seen, mut left) = (BTreeSet::from([TaskState(0)]), vec![TaskState(0)]);
+        let mut found = false;
+        while let Some(position) = left.pop() {
+            found |= tasks.distance(position) == Some(0);
+            for edge in tasks.edges(position) {
+                if open(edge.to) && seen.insert(edge.to) {
+                    left.push(edge.to);
+                }
+            }
+        }
+        self.skeletons = (known, found);
+        found
     }
 
     /// True if a transition was rejected.

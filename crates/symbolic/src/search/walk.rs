@@ -88,9 +88,12 @@ impl Walker {
     }
 
     /// How a search that has made `created` steps must end, if it must.
-    pub(crate) fn end(&self, created: usize, oracle: &mut dyn Oracle) -> Option<Status> {
+    pub(crate) fn end(&mut self, created: usize, oracle: &mut dyn Oracle) -> Option<Status> {
         if oracle.stop() {
             return Some(Status::Stopped);
+        }
+        if !self.verdicts.leaves_a_skeleton(&self.expansion.graph) {
+            return Some(Status::NoSkeleton);
         }
         (created >= self.expansion.bounds.max_nodes).then_some(Status::Full)
     }

@@ -1,0 +1,112 @@
+//! A beginning of a sequence in which nobody takes a step, as a guess for one with steps.
+//!
+//! Whoever may lift a foot and set it down again may as well leave it where it is. So keyframes of the sequence without such steps
+//! are keyframes of the one with them, each standing for several boundaries: a guess that is right, where a first guess of
+//! where steps lead may end with an object inside the robot.
+
+use symbolic::{Contact, ContactState};
+
+/// A sequence of states without the steps of another.
+pub(super) struct InPlace {
+    /// Different from one to the next.
+    pub states: Vec<ContactState>,
+    /// Of each state of the other sequence, which of these it has become.
+    of_state: Vec<usize>,
+}
+
+/// The sequence in which contacts that `may_stay` says so of last until they are made again, or till the end, where nothing
+/// else is touched in between; `None` if that is the same sequence.
+pub(super) fn in_place(
+    states: &[ContactState],
+    may_stay: impl Fn(&Contact) -> bool,
+) -> Option<InPlace> {
+    let mut still = states.to_vec();
+    for (k, state) in states.iter().enumerate() {
+        for contact in state.iter().filter(&may_stay) {
+            let touches = |s: &ContactState| s.iter().any(|c| c.a == contact.a);
+            let away = states[k + 1..].iter().take_while(|s| !touches(s)).count();
+            let next = states.get(k + 1 + away);
+            if next.is_none_or(|s| s.contains(&contact)) {
+                for state in &mut still[k + 1..k + 1 + away] {
+                    state.contacts.insert(contact);
+                }
+            }
+        }
+    }
+    if still == states {
+        return None;
+    }
+    let mut merged: Vec<ContactState> = vec![];
+    let mut of_state = vec![];
+    for state in still {
+        if merged.last() != Some(&state) {
+            merged.push(state);
+        }
+        of_state.push(merged.len() - 1);
+    }
+    Some(InPlace {
+        states: merged,
+        of_state,
+    })
+}
+
+impl InPlace {
+    /// Keyframes of the sequence with steps from those of the one without.
+    pub fn with_steps(&self, nodes: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        // The boundary before a state that has become the same as the one before may be either end; the first moves least.
+        let before = self.of_state.iter().map(|&state| nodes[state].clone());
+        before.chain(nodes.last().cloned()).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use symbolic::{ContactType, InterfaceId};
+
+    const LEFT: usize = 0;
+    const RIGHT: usize = 1;
+    const HAND: usize = 2;
+    const GROUND: usize = 3;
+    const BOX: usize = 4;
+
+    fn state(pairs: &[(usize, usize)]) -> ContactState {
+        let contact = |&(a, b): &(usize, usize)| Contact {
+            a: InterfaceId(a),
+            b: InterfaceId(b),
+            kind: ContactType::UnilateralPatch,
+        };
+        pairs.iter().map(contact).collect()
+    }
+
+    fn of_foot(contact: &Contact) -> bool {
+        contact.a.0 < HAND
+    }
+
+    #[test]
+    fn steps_in_place_are_left_out_and_their_boundaries_keep_the_configuration() {
+        let (left, right, held) = ((LEFT, GROUND), (RIGHT, GROUND), (HAND, BOX));
+        let states = [
+            state(&[left, right]),
+            state(&[right]),
+            state(&[left, right]),
+            state(&[left, right, held]),
+            state(&[left, held]),
+        ];
+        let still = in_place(&states, of_foot).expect("there are steps");
+        assert_eq!(still.states, [states[0].clone(), states[3].clone()]);
+        let nodes = [vec![0.0], vec![1.0], vec![2.0]];
+        let expected = [0.0, 0.0, 0.0, 1.0, 1.0, 2.0].map(|q| vec![q]);
+        assert_eq!(still.with_steps(&nodes), expected);
+    }
+
+    #[test]
+    fn a_step_to_something_else_stays() {
+        let states = [
+            state(&[(LEFT, GROUND), (RIGHT, GROUND)]),
+            state(&[(RIGHT, GROUND)]),
+            state(&[(LEFT, BOX), (RIGHT, GROUND)]),
+        ];
+        assert!(in_place(&states, of_foot).is_none());
+    }
+}
