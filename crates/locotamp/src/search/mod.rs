@@ -1,8 +1,9 @@
 //! The plan search: a policy proposes contact sequences, states, transitions and keyframes filter them, the trajectory
 //! optimiser judges, and the policy learns what they were worth.
 //!
-//! Up to [`IN_FLIGHT`] sequences are optimised at once by as many threads as there are. Their results are taken in the order
-//! in which they were proposed, so that the run is the same however many threads there are and however long they take.
+//! Up to [`IN_FLIGHT`] sequences are optimised at once by as many threads as there are; one at first, and one more after every
+//! result, since to find the next one may take longer than to optimise the first. Their results are taken in the order in
+//! which they were proposed, so that the run is the same however many threads there are and however long they take.
 
 mod diverse;
 mod failures;
@@ -221,7 +222,7 @@ impl Run<'_> {
             if let Some(reason) = self.is_over() {
                 return reason;
             }
-            if ended.is_none() && self.under_way.len() < IN_FLIGHT {
+            if ended.is_none() && self.under_way.len() < IN_FLIGHT.min(1 + self.optimised()) {
                 if !self.propose() {
                     ended = Some(self.exhausted());
                 }
@@ -237,13 +238,7 @@ impl Run<'_> {
 
     /// Why the search ends now, if it does.
     fn is_over(&self) -> Option<String> {
-        let count = |reached| {
-            self.attempts
-                .iter()
-                .filter(|a| a.reached == reached)
-                .count()
-        };
-        let optimised = count(Reached::Feasible) + count(Reached::Optimised);
+        let optimised = self.optimised();
         let plans = self.diverse.len();
         let request = self.request;
         if self.is_stopped() {
@@ -257,6 +252,12 @@ impl Run<'_> {
         } else {
             None
         }
+    }
+
+    /// Number of sequences whose motion has been optimised.
+    fn optimised(&self) -> usize {
+        let optimised = |a: &&Attempt| matches!(a.reached, Reached::Feasible | Reached::Optimised);
+        self.attempts.iter().filter(optimised).count()
     }
 
     /// When the search ends, in seconds from its begin: in time to refine the best plan, if there is one.
