@@ -37,3 +37,46 @@ impl Planner<'_> {
         settings.weights.velocity * of_robot.map(|d| d * d).sum::<f64>()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::Preset;
+    use scene::Scene;
+    use symbolic::ContactState;
+
+    #[test]
+    fn far_apart_keyframes_get_more_intervals_and_at_most_twice_as_many() {
+        let scene = Scene::builtin("pick-place").expect("a built-in scene");
+        let planner = Planner::new(&scene).expect("a model");
+        let settings = Settings::new(Preset::Default, &scene.optimiser);
+        let phase = Phase {
+            state: ContactState::default(),
+            steps: 8,
+        };
+        let start = planner.system.start(&scene);
+        let steps = |settings: &Settings, sink: f64| {
+            let mut end = start.clone();
+            end[2] -= sink; // height of the base
+            let nodes = [start.clone(), end];
+            planner.paced(std::slice::from_ref(&phase), settings, &nodes)[0].steps
+        };
+        // 2 √(0.05 Δ²) s in intervals of 0.15 s: 8 of them last for 2.68 m.
+        assert_eq!(steps(&settings, 0.0), 8);
+        assert_eq!(steps(&settings, 2.6), 8);
+        assert_eq!(steps(&settings, 4.0), 12);
+        // No more than the longest phase takes, 2 s.
+        assert_eq!(steps(&settings, 100.0), 14);
+        let patient = Settings {
+            max_duration: 60.0,
+            ..settings
+        };
+        assert_eq!(steps(&patient, 100.0), 16);
+        let paper = Settings::new(Preset::Paper, &scene.optimiser);
+        assert_eq!(
+            steps(&paper, 100.0),
+            8,
+            "intervals may be as long as phases"
+        );
+    }
+}

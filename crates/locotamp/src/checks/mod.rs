@@ -389,6 +389,35 @@ mod tests {
     }
 
     #[test]
+    fn a_step_before_a_possible_beginning_does_not_make_it_impossible() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/from-floor.toml");
+        let scene = Scene::load(path).expect("a scene of the repository");
+        let planner = Planner::new(&scene).expect("a model");
+        let settings = Settings::new(Preset::Default, &scene.optimiser);
+        let mut checks = fresh(&planner, &settings);
+        let feet = [("left_foot", "ground_top"), ("right_foot", "ground_top")];
+        let hands = [("left_hand", "crate_left"), ("right_hand", "crate_right")];
+        let with = |pairs: &[&[(&str, &str)]]| state(&scene, &pairs.concat());
+        let on_floor = [("crate_bottom", "ground_top")];
+        let standing = with(&[&feet, &on_floor]);
+        let carried = [
+            with(&[&feet, &hands, &on_floor]),
+            with(&[&feet, &hands]),
+            with(&[&feet, &hands, &[("crate_bottom", "table_top")]]),
+        ];
+        let [held, lifted, placed] = &carried;
+        assert_eq!(
+            checks.prefix(&[&standing, held, lifted, placed]),
+            Verdict::Accept
+        );
+        for foot in feet {
+            let swing = with(&[&[foot], &on_floor]);
+            let states = [&standing, &swing, &standing, held, lifted, placed];
+            assert_eq!(checks.prefix(&states), Verdict::Accept, "{foot:?}");
+        }
+    }
+
+    #[test]
     fn a_hand_on_the_far_side_of_a_box_is_possible_since_the_box_may_be_turned() {
         let scene = Scene::builtin("lift-box").expect("a built-in scene");
         let planner = Planner::new(&scene).expect("a model");
