@@ -18,6 +18,8 @@ use symbolic::search::Rejected;
 const DIFFERENT_AT_END: usize = 2;
 /// Sequences drawn for each that is optimised.
 const DRAWS: usize = 4;
+/// The same for the first one: nothing else is under way yet, and everybody waits for a good plan.
+const FIRST_DRAWS: usize = 8;
 /// What a phase adds to the cost that keyframes promise: its time, at about half a second.
 const PHASE: f64 = 0.5;
 /// What the cost of keyframes counts for: a phase costs as much as sixteen of its nodes.
@@ -61,7 +63,8 @@ impl Run<'_> {
     /// the edge of reach cost a lot, and make the optimiser's work hard.
     pub fn propose(&mut self) -> bool {
         let (mut drawn, mut more) = (0, true);
-        while more && (drawn < DRAWS || self.waiting.is_empty()) && self.is_over().is_none() {
+        let draws = if self.drawn == 0 { FIRST_DRAWS } else { DRAWS };
+        while more && (drawn < draws || self.waiting.is_empty()) && self.is_over().is_none() {
             self.drawn += 1;
             more = self.draw(self.drawn);
             drawn += 1;
