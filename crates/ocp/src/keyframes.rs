@@ -19,8 +19,9 @@ use crate::problem::Trajectory;
 use crate::program::{Grid, Phase, Program};
 use crate::resistance::{Pull, pulls, violations};
 use crate::settings::{Preset, Settings};
+use crate::stagnation::Stagnation;
 use crate::state_guess;
-use solver::{InteriorPoint, Iteration, Options, Problem, Report};
+use solver::{InteriorPoint, Options, Problem, Report};
 use symbolic::ContactState;
 
 /// Rounds of solving with more collision pairs.
@@ -28,9 +29,6 @@ const ROUNDS: usize = 8;
 /// Distance below which pairs get a row once one is violated, and in a guess [m].
 const NEAR: f64 = 0.02;
 const GUESS_NEAR: f64 = 0.1;
-/// Iterations after which the violation must have fallen by this share.
-const PATIENCE: usize = 12;
-const PROGRESS: f64 = 0.1;
 /// Violation (m, rad) from which no other guess is tried: out of reach, not caught in a local minimum
 /// (benches/runs/2026-11-21-tree-search.md).
 const HOPELESS: f64 = 0.1;
@@ -195,12 +193,12 @@ pub(crate) struct Ask<'a> {
     phases: &'a [Phase],
     settings: &'a Settings,
     grid: Grid,
-    pace: Pace,
+    manner: Manner,
 }
 
 /// How fast a solve goes away from its guess.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Pace {
+enum Manner {
     Swift,
     /// Short steps: slower, with other local minima.
     Careful,
@@ -221,7 +219,7 @@ impl<'a> Ask<'a> {
             phases,
             settings,
             grid,
-            pace: Pace::Swift,
+            manner: Manner::Swift,
         }
     }
 
@@ -238,7 +236,7 @@ impl<'a> Ask<'a> {
         let mut settings = self.settings.clone();
         settings.weights.final_posture = settings.weights.posture;
         let careful = Ask {
-            pace: Pace::Careful,
+            manner: Manner::Careful,
             settings: &settings,
             ..*self
         };
@@ -304,7 +302,7 @@ impl<'a> Ask<'a> {
     fn answer_near(&self, nodes: Vec<Vec<f64>>) -> Option<Keyframes> {
         let near = self.near(&nodes, NEAR);
         let known = Ask {
-            pace: Pace::Known,
+            manner: Manner::Known,
             ..*self
         };
         let found = known.solve(nodes.clone(), near.clone()).0;
@@ -397,7 +395,7 @@ impl<'a> Ask<'a> {
                 &mut point,
                 &self.options(),
                 None,
-                &mut |i| self.pace == Pace::Known || stagnation.goes_on(i),
+                &mut |i| self.manner == Manner::Known || stagnation.goes_on(i),
             );
             iterations += report.iterations;
             let possible = report.violation <= KEYFRAME_TOLERANCE;
@@ -441,24 +439,24 @@ impl<'a> Ask<'a> {
             tightening: 0.8,
             ..Options::default()
         };
-        let pace = match self.pace {
-            Pace::Swift => swift,
-            Pace::Careful => Options::default(),
-            Pace::Known => Options {
+        let manner = match self.manner {
+            Manner::Swift => swift,
+            Manner::Careful => Options::default(),
+            Manner::Known => Options {
                 initial_barrier: 1e-4,
                 bound_push: 1e-4,
                 ..swift
             },
         };
         Options {
-            max_iterations: if self.pace == Pace::Known { 40 } else { 80 },
+            max_iterations: if self.manner == Manner::Known { 40 } else { 80 },
             stall_iterations: 25, // cheap, and to refuse a possible sequence is expensive
             feasibility_tolerance: if lone { 0.5 * KEYFRAME_TOLERANCE } else { 1e-6 },
             dual_tolerance: optimality,
             complementarity_tolerance: optimality,
             min_barrier: 1e-6,
             keeps_filter: true, // without it a beginning of `climb/carry` ends in a local minimum
-            ..pace
+            ..manner
         }
     }
 
@@ -480,27 +478,5 @@ fn less_violated(a: Keyframes, b: Keyframes) -> Keyframes {
         b
     } else {
         a
-    }
-}
-
-/// Ends a solve whose violation has stopped falling.
-#[derive(Default)]
-struct Stagnation {
-    /// Least violation, and the iteration at which it had last fallen clearly.
-    best: Option<(f64, usize)>,
-}
-
-impl Stagnation {
-    fn goes_on(&mut self, iteration: &Iteration) -> bool {
-        let (violation, number) = (iteration.violation, iteration.number);
-        match self.best {
-            Some((best, since)) if violation > (1.0 - PROGRESS) * best => {
-                best <= KEYFRAME_TOLERANCE || number < since + PATIENCE
-            }
-            _ => {
-                self.best = Some((violation, number));
-                true
-            }
-        }
     }
 }

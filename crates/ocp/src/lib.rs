@@ -26,6 +26,7 @@ mod resistance;
 mod resting;
 mod settings;
 mod slip;
+mod stagnation;
 mod state_guess;
 mod states;
 mod system;

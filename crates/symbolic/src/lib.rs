@@ -44,6 +44,7 @@ mod domain;
 mod error;
 mod goal;
 mod graph;
+mod in_place;
 mod manipulation;
 pub mod pddl;
 pub mod search;
@@ -60,9 +61,10 @@ pub use domain::{Domain, Interface, Owner, Role};
 pub use error::SymbolicError;
 pub use goal::{Goal, GoalPair};
 pub use graph::{GraphOptions, Node, SkeletonGraph, StateId, Successor};
+pub use in_place::{InPlace, in_place};
 pub use manipulation::Manipulation;
 pub use search::{
-    BestFirst, Costs, Ending, Oracle, Policy, Rollouts, SearchLimits, Sequence, Statistics, Status,
+    Anew, BestFirst, Costs, Ending, Oracle, Policy, Rollouts, SearchLimits, Sequence, Statistics, Status,
     TreeSearch, Verdict,
 };
 pub use successors::successors;

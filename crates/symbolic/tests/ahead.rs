@@ -2,7 +2,7 @@
 
 use crate::fixtures::{bottom, contact, handle, id, robot, standing, surface};
 use symbolic::{
-    Contact, ContactState, Costs, Domain, Goal, GraphOptions, Interface, Oracle, Owner, Policy,
+    Anew, Contact, ContactState, Costs, Domain, Goal, GraphOptions, Interface, Oracle, Owner, Policy,
     SearchLimits, Sequence, SkeletonGraph, Status, TreeSearch, Verdict,
 };
 
@@ -144,11 +144,11 @@ impl Oracle for Far {
         Verdict::Accept
     }
 
-    fn set_anew(&mut self, states: &[&ContactState], at: &[usize]) -> Option<usize> {
+    fn set_anew(&mut self, states: &[&ContactState], at: &[usize]) -> Option<Anew> {
         self.asked_anew += 1;
         let rests = contact(&self.domain, "box_bottom", "ground_top");
         let helps = |&k: &usize| !states[k].contains(&rests);
-        at.iter().any(helps).then_some(1)
+        Some(if at.iter().any(helps) { Anew::Possible(1) } else { Anew::Far })
     }
 }
 

@@ -1,12 +1,11 @@
 //! Keyframes of beginnings of sequences: each from those of a shorter one, remembered, with feet set anew where they stand wrong.
 
 use super::Checks;
-use super::in_place::in_place;
 use crate::journal::{Answer, States};
 use ocp::{Keyframes, Phase};
 use scene::{Owner, Role};
 use std::time::Instant;
-use symbolic::{Contact, ContactState, InterfaceId};
+use symbolic::{Anew, Contact, ContactState, InterfaceId, in_place};
 
 /// Way of the base that one swing allows at most [m], and what turning by 1 rad counts for [m].
 const STRIDE: f64 = 0.5;
@@ -15,7 +14,7 @@ const TURN: f64 = 0.3;
 const MOST_NODES: usize = 2000;
 
 /// A beginning that would be possible if the feet were set anew in one state.
-pub(super) struct Anew {
+pub(super) struct FeetAnew {
     states: Vec<ContactState>,
     at: usize,
     /// Keyframes of the beginning with two more phases after that state: in the air, and the state again.
@@ -101,7 +100,7 @@ impl Checks<'_> {
     /// If the phases are the beginning for which feet were set anew last, with swings in place of that: the way there in as many
     /// parts.
     fn guess_of_swings(&self, phases: &[Phase]) -> Option<Vec<Vec<f64>>> {
-        let Anew { states, at, nodes } = self.anew.as_ref()?;
+        let FeetAnew { states, at, nodes } = self.anew.as_ref()?;
         let more = phases.len().checked_sub(states.len()).filter(|&n| n > 0)?;
         let same = |(phase, state): (&Phase, &ContactState)| phase.state == *state;
         let (before, after) = (&states[..=*at], &states[at + 1..]);
@@ -133,8 +132,8 @@ impl Checks<'_> {
         found.possible.then_some(found.nodes)
     }
 
-    /// How many swings at least may make a beginning possible, if the feet are set anew in the states of these positions.
-    pub(super) fn least_swings(&mut self, states: &[&ContactState], at: &[usize]) -> Option<usize> {
+    /// Is a beginning possible if the feet are set anew in the states of these positions; with how many swings at least?
+    pub(super) fn least_swings(&mut self, states: &[&ContactState], at: &[usize]) -> Anew {
         let is_foot = |c: &Contact| self.scene.interfaces[c.a.0].role == Role::Foot;
         let so_far: Vec<Phase> = states.iter().map(|&s| self.phase(s.clone())).collect();
         let (planner, settings) = (self.planner, self.settings);
@@ -156,19 +155,19 @@ impl Checks<'_> {
         }
         let found = planner.keyframes_near(&nodes, &phases, settings, true);
         if !found.possible {
-            return None;
+            return if found.is_hopeless() { Anew::Far } else { Anew::Near };
         }
-        let [at] = *at else { return Some(1) };
+        let [at] = *at else { return Anew::Possible(1) };
         let way = planner
             .system
             .model
             .difference(&found.nodes[at + 1], &found.nodes[at + 3]);
         let distance = way[0].hypot(way[1]) + TURN * way[5].abs();
-        self.anew = Some(Anew {
+        self.anew = Some(FeetAnew {
             states: states.iter().map(|&s| s.clone()).collect(),
             at,
             nodes: found.nodes,
         });
-        Some(((distance / STRIDE).ceil() as usize).max(1))
+        Anew::Possible(((distance / STRIDE).ceil() as usize).max(1))
     }
 }

@@ -6,7 +6,6 @@
 //! impossible, so that one rejection concerns as many states as it can.
 
 mod beginnings;
-mod in_place;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Instant;
@@ -14,10 +13,10 @@ use std::time::Instant;
 use crate::api::{Impossible, Stop};
 use crate::journal::{Answer, Journal, States};
 use crate::summary;
-use beginnings::Anew;
+use beginnings::FeetAnew;
 use ocp::{Keyframes, Phase, Planner, Settings};
 use scene::{Owner, Role, Scene};
-use symbolic::{Contact, ContactState, Oracle, Verdict};
+use symbolic::{Anew, Contact, ContactState, Oracle, Verdict};
 
 /// Checks of one scene with one set of options.
 pub(crate) struct Checks<'a> {
@@ -35,7 +34,7 @@ pub(crate) struct Checks<'a> {
     /// Keyframes of beginnings.
     nodes: BTreeMap<Vec<ContactState>, Option<Vec<Vec<f64>>>>,
     /// The last beginning that setting feet anew made possible.
-    anew: Option<Anew>,
+    anew: Option<FeetAnew>,
     /// Sets that one configuration satisfies.
     possible: BTreeSet<ContactState>,
     /// Smallest sets that none satisfies.
@@ -266,8 +265,8 @@ impl Oracle for Checks<'_> {
         Verdict::RejectContacts(bound, reason)
     }
 
-    fn set_anew(&mut self, states: &[&ContactState], at: &[usize]) -> Option<usize> {
-        self.least_swings(states, at)
+    fn set_anew(&mut self, states: &[&ContactState], at: &[usize]) -> Option<Anew> {
+        Some(self.least_swings(states, at))
     }
 
     fn transition(&mut self, from: &ContactState, to: &ContactState) -> Verdict {

@@ -2,8 +2,9 @@
 //! optimiser judges, and the policy learns what they were worth.
 //!
 //! Up to [`IN_FLIGHT`] sequences are optimised at once by as many threads as there are; one at first, and one more after every
-//! result, since to find the next one may take longer than to optimise the first. Their results are taken in the order in
-//! which they were proposed, so that the run is the same however many threads there are and however long they take.
+//! result, since to find the next one may take longer than to optimise the first. Those to choose the next from are drawn
+//! meanwhile. Results are taken in the order in which the sequences were submitted, so that the run is the same however many
+//! threads there are and however long they take.
 
 mod diverse;
 mod failures;
@@ -115,9 +116,11 @@ pub fn plan(
             workers,
             observe,
             drawn: 0,
+            drawn_before: 0,
             waiting: vec![],
             under_way: VecDeque::new(),
             results: BTreeMap::new(),
+            lost: false,
             rewards: Rewards::default(),
             failures: Failures::new(resting(scene)),
             attempts: vec![],
@@ -194,14 +197,17 @@ struct Run<'a> {
     checks: Checks<'a>,
     workers: Workers,
     observe: &'a mut dyn FnMut(&Event) -> bool,
-    /// Number of sequences drawn from the policy.
+    /// Number of sequences drawn from the policy; when one was submitted last.
     drawn: usize,
+    drawn_before: usize,
     /// Sequences that wait for their turn.
     waiting: Vec<(Candidate, Work)>,
     /// Sequences whose motion is being optimised, in the order in which their results are taken.
     under_way: VecDeque<Candidate>,
     /// Results that came before their turn.
     results: BTreeMap<usize, Box<Evaluated>>,
+    /// A worker panicked.
+    lost: bool,
     rewards: Rewards,
     failures: Failures,
     attempts: Vec<Attempt>,
@@ -222,18 +228,37 @@ impl Run<'_> {
             if let Some(reason) = self.is_over() {
                 return reason;
             }
-            if ended.is_none() && self.under_way.len() < IN_FLIGHT.min(1 + self.optimised()) {
-                if !self.propose() {
+            let has_room = self.under_way.len() < IN_FLIGHT.min(1 + self.optimised());
+            let has_choice = ended.is_some() || self.has_choice();
+            if !has_choice && !self.is_last_there() {
+                if !self.draw() {
                     ended = Some(self.exhausted());
                 }
-            } else if let Some(next) = self.under_way.pop_front() {
+                continue;
+            }
+            if has_room && self.submit() {
+                continue;
+            }
+            if let Some(next) = self.under_way.pop_front() {
                 if let Some(done) = self.wait(next.number) {
                     self.take(next, *done);
                 }
             } else if let Some(reason) = ended {
                 return reason;
+            } else if !self.draw() {
+                ended = Some(self.exhausted());
             }
         }
+    }
+
+    /// True if the next result is there, and is the one plan that is asked for.
+    fn is_last_there(&mut self) -> bool {
+        while let Ok(message) = self.workers.messages.try_recv() {
+            self.receive(message);
+        }
+        let next = self.under_way.front();
+        let result = next.and_then(|next| self.results.get(&next.number));
+        self.request.solutions == 1 && result.is_some_and(|done| done.plan.is_some())
     }
 
     /// Why the search ends now, if it does.
@@ -287,7 +312,7 @@ impl Run<'_> {
     }
 
     fn is_stopped(&self) -> bool {
-        self.request.stop.is_set() || self.shop.stop.load(Ordering::SeqCst)
+        self.lost || self.request.stop.is_set() || self.shop.stop.load(Ordering::SeqCst)
     }
 
     fn phases(&self, sequence: &Sequence) -> Vec<Phase> {

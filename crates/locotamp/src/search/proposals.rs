@@ -7,7 +7,7 @@ use super::results::name;
 use super::workers::{Evaluated, Job, Start, with_steps};
 use super::{Run, reward};
 use crate::api::{Attempt, Event, Reached};
-use crate::journal::Tried;
+use crate::journal::{PointEntry, Tried};
 use crate::summary;
 use ocp::{Phase, Relative};
 use scene::Objective;
@@ -39,8 +39,10 @@ pub(super) struct Candidate {
 
 /// What is left to do for it.
 pub(super) enum Work {
-    /// The motion.
-    Optimise(Start),
+    /// The motion, from keyframes.
+    Move(Vec<Vec<f64>>),
+    /// Nothing but to set up again a motion that is known, and whether it is feasible.
+    Restore(PointEntry, bool),
     /// Nothing: it is known that there is none.
     Remembered(Box<Evaluated>),
 }
@@ -50,54 +52,63 @@ impl Work {
     fn known(tried: &Tried) -> Self {
         let feasible = tried.reached == name(Reached::Feasible);
         match tried.point.clone() {
-            Some(point) => Self::Optimise(Start::Known(point, feasible)),
+            Some(point) => Self::Restore(point, feasible),
             None => Self::Remembered(Box::new(Evaluated::remembered(tried))),
         }
     }
 }
 
 impl Run<'_> {
-    /// Has the next sequence optimised; false if there is none.
+    /// Has the most promising of the sequences that wait optimised; false if none waits.
     ///
-    /// A few sequences are drawn, and of all that wait the one whose keyframes promise the lowest cost is taken: postures at
-    /// the edge of reach cost a lot, and make the optimiser's work hard.
-    pub fn propose(&mut self) -> bool {
-        let (mut drawn, mut more) = (0, true);
-        let draws = if self.drawn == 0 { FIRST_DRAWS } else { DRAWS };
-        while more && (drawn < draws || self.waiting.is_empty()) && self.is_over().is_none() {
-            self.drawn += 1;
-            more = self.draw(self.drawn);
-            drawn += 1;
-        }
+    /// That is the one whose keyframes promise the lowest cost: postures at the edge of reach cost a lot, and make the
+    /// optimiser's work hard.
+    pub fn submit(&mut self) -> bool {
         let promise = |n: usize| self.waiting[n].0.promise; // equal ones in the order in which they were drawn
         let least = (0..self.waiting.len()).min_by(|&a, &b| promise(a).total_cmp(&promise(b)));
         let Some((candidate, work)) = least.map(|n| self.waiting.remove(n)) else {
-            return more;
+            return false;
         };
-        match work {
+        let phases = self.phases(&candidate.sequence);
+        let job = match work {
             Work::Remembered(done) => {
                 self.results.insert(candidate.number, done);
+                None
             }
-            Work::Optimise(start) => {
-                let phases = self.phases(&candidate.sequence);
-                let phases = match &start {
-                    Start::Keyframes(nodes, _) => self.paced(&phases, nodes),
-                    Start::Known(point, _) => with_steps(&phases, &point.steps),
-                };
-                self.workers.submit(Job {
-                    number: candidate.number,
-                    labels: candidate.sequence.labels.clone(),
-                    phases,
-                    start,
-                });
+            Work::Move(nodes) => {
+                let phases = self.shop.planner.paced(&phases, self.shop.settings, &nodes);
+                let relative = nearest(&self.relatives, &phases);
+                Some((phases, Start::Keyframes(nodes, relative)))
             }
+            Work::Restore(point, feasible) => {
+                let phases = with_steps(&phases, &point.steps);
+                Some((phases, Start::Known(point, feasible)))
+            }
+        };
+        if let Some((phases, start)) = job {
+            self.workers.submit(Job {
+                number: candidate.number,
+                labels: candidate.sequence.labels.clone(),
+                phases,
+                start,
+            });
         }
         self.under_way.push_back(candidate);
+        self.drawn_before = self.drawn;
         true
     }
 
-    /// Checks the next sequence by keyframes, to wait for its turn if it passes; false if there is none.
-    fn draw(&mut self, number: usize) -> bool {
+    /// True if so many sequences have been drawn since the last submission as are wanted for the next.
+    pub fn has_choice(&self) -> bool {
+        let first = self.drawn_before == 0;
+        let draws = if first { FIRST_DRAWS } else { DRAWS };
+        self.drawn >= self.drawn_before + draws
+    }
+
+    /// Draws the next sequence and checks it by keyframes, to wait for its turn if it passes; false if there is none.
+    pub fn draw(&mut self) -> bool {
+        self.drawn += 1;
+        let number = self.drawn;
         let Some(sequence) = self.policy.next(&mut self.checks) else {
             return false;
         };
@@ -114,10 +125,10 @@ impl Run<'_> {
             };
             (promise, Work::known(tried))
         } else {
-            let Some((promise, start)) = self.keyframes(number, &sequence, clock) else {
+            let Some((promise, nodes)) = self.keyframes(number, &sequence, clock) else {
                 return true;
             };
-            (promise, Work::Optimise(start))
+            (promise, Work::Move(nodes))
         };
         let candidate = Candidate {
             number,
@@ -129,24 +140,19 @@ impl Run<'_> {
         true
     }
 
-    /// The phases with the intervals that the way between their keyframes takes.
-    fn paced(&self, phases: &[Phase], nodes: &[Vec<f64>]) -> Vec<Phase> {
-        self.shop.planner.paced(phases, self.shop.settings, nodes)
-    }
-
     /// What the run that is continued found out about a sequence.
     fn known(&mut self, sequence: &Sequence) -> Option<Tried> {
         let states = self.names(sequence);
         self.checks.journal.take_sequence(&states)
     }
 
-    /// The cost that keyframes promise, and a start for the motion; `None` if the sequence is not worth an optimisation.
+    /// The cost that keyframes promise, and these; `None` if the sequence is not worth an optimisation.
     fn keyframes(
         &mut self,
         number: usize,
         sequence: &Sequence,
         clock: Instant,
-    ) -> Option<(f64, Start)> {
+    ) -> Option<(f64, Vec<Vec<f64>>)> {
         if let Some(reason) = self.alike(sequence) {
             self.leave_out(number, sequence, Reached::Alike, Some(reason), clock);
             return None;
@@ -171,8 +177,7 @@ impl Run<'_> {
             return None;
         }
         let promise = STRAIN * keyframes.report.objective + PHASE * phases.len() as f64;
-        let relative = nearest(&self.relatives, &self.paced(&phases, &keyframes.nodes));
-        Some((promise, Start::Keyframes(keyframes.nodes, relative)))
+        Some((promise, keyframes.nodes))
     }
 
     /// Why the sequence is not worth a try: others failed at the same contacts.

@@ -20,13 +20,8 @@ impl Run<'_> {
     /// The result of a sequence, in its turn; `None` if the search is over before.
     pub fn wait(&mut self, number: usize) -> Option<Box<Evaluated>> {
         while !self.results.contains_key(&number) {
-            match self.workers.messages.recv().ok()? {
-                Message::Event(event) => self.tell(&event),
-                Message::Done(number, result) => {
-                    self.results.insert(number, result);
-                }
-                Message::Lost => return None, // its panic comes up when the threads are joined
-            }
+            let message = self.workers.messages.recv().ok()?;
+            self.receive(message);
             if self.is_over().is_some() {
                 return None;
             }
@@ -35,6 +30,17 @@ impl Run<'_> {
         self.is_over()
             .is_none()
             .then(|| self.results.remove(&number))?
+    }
+
+    /// Takes note of news from a worker.
+    pub fn receive(&mut self, message: Message) {
+        match message {
+            Message::Event(event) => self.tell(&event),
+            Message::Done(number, result) => {
+                self.results.insert(number, result);
+            }
+            Message::Lost => self.lost = true, // its panic comes up when the threads are joined
+        }
     }
 
     /// Takes note of an optimised motion.

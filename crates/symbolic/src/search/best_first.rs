@@ -68,7 +68,7 @@ impl BestFirst {
         let bounds = limits.resolve(&graph);
         let mut search = Self {
             expansion: Expansion::new(graph, bounds, costs),
-            verdicts: Verdicts::new(),
+            verdicts: Verdicts::default(),
             tree: Vec::new(),
             queue: BinaryHeap::new(),
             age: 0,

@@ -2,13 +2,13 @@
 //! with some swings before.
 //!
 //! Where the swings belong is asked of the oracle: in which state, if the feet were set anew there, would the beginning be
-//! possible? Without an answer no number of steps helps, and none is tried. The swings are contact changes like any others.
+//! possible? If in none, no number of steps helps, and none is tried. The swings are contact changes like any others.
 
 use crate::contact::Contact;
 use crate::domain::Role;
 use crate::graph::{StateId, Successor};
 use crate::search::expansion::Ranked;
-use crate::search::oracle::Oracle;
+use crate::search::oracle::{Anew, Oracle};
 use crate::search::sequence::states_along;
 use crate::search::walk::{Walk, Walker};
 
@@ -37,8 +37,17 @@ impl Walker {
         if stances.is_empty() {
             return None;
         }
-        oracle.set_anew(&states, &stances)?;
-        let helps = |&at: &usize| Some((at, oracle.set_anew(&states, &[at])?));
+        match oracle.set_anew(&states, &stances)? {
+            Anew::Possible(_) => {}
+            miss => {
+                self.beyond.note(graph, &path, miss == Anew::Far);
+                return None;
+            }
+        }
+        let helps = |&at: &usize| match oracle.set_anew(&states, &[at])? {
+            Anew::Possible(least) => Some((at, least)),
+            _ => None,
+        };
         let (at, least) = stances.iter().rev().find_map(helps)?;
         let feet = self.feet(path[at]);
         for swings in least..=least + MORE_SWINGS {

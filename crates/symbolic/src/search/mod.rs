@@ -4,6 +4,7 @@
 //! at most once per question, whether a contact state, a transition or a beginning is possible. All are deterministic.
 
 mod best_first;
+mod beyond;
 mod costs;
 mod expansion;
 mod limits;
@@ -21,7 +22,7 @@ mod walk;
 pub use best_first::BestFirst;
 pub use costs::{Costs, EndCost, ExtraCost, Step};
 pub use limits::{Ending, SearchLimits, Status, default_phases};
-pub use oracle::{AcceptAll, Oracle, Verdict};
+pub use oracle::{AcceptAll, Anew, Oracle, Verdict};
 pub use policy::{Policy, Statistics};
 pub use rollouts::Rollouts;
 pub use sequence::Sequence;

@@ -15,6 +15,17 @@ pub enum Verdict {
     RejectContacts(ContactState, String),
 }
 
+/// What becomes of a beginning that is impossible if feet are set anew.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Anew {
+    /// It is possible: steps may help, so many swings at least.
+    Possible(usize),
+    /// It is impossible as far as is known, but by little.
+    Near,
+    /// It is impossible, by far: no step helps.
+    Far,
+}
+
 /// Judges contact states, transitions and beginnings of sequences; every method accepts by default.
 ///
 /// A rejection must not depend on anything but the arguments: it is remembered and never asked again.
@@ -40,8 +51,8 @@ pub trait Oracle {
     }
 
     /// Could a sequence that is rejected as a whole begin with s_1 … s_k if the feet were set anew, on the same surfaces, in
-    /// the states of these positions? If so steps there may help: how many swings at least.
-    fn set_anew(&mut self, _states: &[&ContactState], _at: &[usize]) -> Option<usize> {
+    /// the states of these positions? `None` if nothing is known of that.
+    fn set_anew(&mut self, _states: &[&ContactState], _at: &[usize]) -> Option<Anew> {
         None
     }
 

@@ -62,7 +62,7 @@ pub(crate) struct Verdicts {
     accepted_prefixes: Option<BTreeSet<Vec<StateId>>>,
     rejections: Vec<Rejection>,
     /// For so many rejected sets of contacts: is a skeleton left.
-    skeletons: (usize, bool),
+    skeletons: Option<(usize, bool)>,
     /// Grows when a rejection concerns what may have been accepted before.
     pub(crate) revision: u32,
     pub(crate) counts: Counts,
@@ -73,14 +73,6 @@ impl Verdicts {
     pub(crate) fn remembering_accepted() -> Self {
         Self {
             accepted_prefixes: Some(BTreeSet::new()),
-            ..Self::new()
-        }
-    }
-
-    /// Nothing rejected yet.
-    pub(crate) fn new() -> Self {
-        Self {
-            skeletons: (0, true),
             ..Self::default()
         }
     }
@@ -211,8 +203,11 @@ impl Verdicts {
     /// True if some skeleton needs no contacts that were rejected wherever they occur.
     pub(crate) fn leaves_a_skeleton(&mut self, graph: &SkeletonGraph) -> bool {
         let known = self.rejected_contacts.len() + self.rejected_unmoved.len();
-        if self.skeletons.0 == known {
-            return self.skeletons.1;
+        if known == 0 {
+            return true;
+        }
+        if let Some((_, left)) = self.skeletons.filter(|skeletons| skeletons.0 == known) {
+            return left;
         }
         let open = |position: TaskState| {
             let imposed = graph.imposed(position);
@@ -231,7 +226,7 @@ impl Verdicts {
                 }
             }
         }
-        self.skeletons = (known, found);
+        self.skeletons = Some((known, found));
         found
     }
 

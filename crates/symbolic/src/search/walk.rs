@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::contact::InterfaceId;
 use crate::graph::{Node, SkeletonGraph, StateId, Successor};
+use crate::search::beyond::Beyond;
 use crate::search::expansion::{Expansion, Ranked, Units, phases};
 use crate::search::limits::Status;
 use crate::search::oracle::Oracle;
@@ -73,6 +74,8 @@ pub(crate) struct Walker {
     pub(crate) created: usize,
     /// Beginnings for which steps that help have been looked for.
     pub(crate) tried_to_mend: BTreeSet<Vec<StateId>>,
+    /// Beginnings that steps do not help.
+    pub(crate) beyond: Beyond,
 }
 
 impl Walker {
@@ -84,6 +87,7 @@ impl Walker {
             temperature: 1.0,
             created: 0,
             tried_to_mend: BTreeSet::new(),
+            beyond: Beyond::default(),
         }
     }
 
@@ -179,6 +183,10 @@ impl Walker {
         let mut path = states_along(&walk.edges);
         path.push(next.edge.node.state);
         let graph = &self.expansion.graph;
+        if self.beyond.contains(graph, &path) {
+            self.verdicts.counts.dropped_by_prefix += 1;
+            return false;
+        }
         let unmoved = graph.unmoved(next.edge.node.position);
         self.verdicts.accepts(graph, &path, unmoved, oracle)
     }

@@ -1,13 +1,14 @@
-//! A beginning of a sequence in which nobody takes a step, as a guess for one with steps.
+//! A beginning of a sequence in which nobody takes a step, for one with steps.
 //!
-//! Whoever may lift a foot and set it down again may as well leave it where it is. So keyframes of the sequence without such steps
-//! are keyframes of the one with them, each standing for several boundaries: a guess that is right, where a first guess of
-//! where steps lead may end with an object inside the robot.
+//! Whoever may lift a foot and set it down again may as well leave it where it is. So configurations that satisfy the sequence
+//! without such steps satisfy the one with them, each standing for several boundaries; and beginnings that are the same
+//! without steps are those that steps make of one another.
 
-use symbolic::{Contact, ContactState};
+use crate::contact::{Contact, ContactState};
 
 /// A sequence of states without the steps of another.
-pub(super) struct InPlace {
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct InPlace {
     /// Different from one to the next.
     pub states: Vec<ContactState>,
     /// Of each state of the other sequence, which of these it has become.
@@ -16,7 +17,7 @@ pub(super) struct InPlace {
 
 /// The sequence in which contacts that `may_stay` says so of last until they are made again, or till the end, where nothing
 /// else is touched in between; `None` if that is the same sequence.
-pub(super) fn in_place(
+pub fn in_place(
     states: &[ContactState],
     may_stay: impl Fn(&Contact) -> bool,
 ) -> Option<InPlace> {
@@ -51,8 +52,9 @@ pub(super) fn in_place(
 }
 
 impl InPlace {
-    /// Keyframes of the sequence with steps from those of the one without.
-    pub fn with_steps(&self, nodes: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    /// What the boundaries of the sequence with steps have, from what those of the one without have: `nodes`, one more than
+    /// there are states.
+    pub fn with_steps<T: Clone>(&self, nodes: &[T]) -> Vec<T> {
         // The boundary before a state that has become the same as the one before may be either end; the first moves least.
         let before = self.of_state.iter().map(|&state| nodes[state].clone());
         before.chain(nodes.last().cloned()).collect()
@@ -62,7 +64,7 @@ impl InPlace {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use symbolic::{ContactType, InterfaceId};
+    use crate::contact::{ContactType, InterfaceId};
 
     const LEFT: usize = 0;
     const RIGHT: usize = 1;
