@@ -17,10 +17,7 @@ pub struct InPlace {
 
 /// The sequence in which contacts that `may_stay` says so of last until they are made again, or till the end, where nothing
 /// else is touched in between; `None` if that is the same sequence.
-pub fn in_place(
-    states: &[ContactState],
-    may_stay: impl Fn(&Contact) -> bool,
-) -> Option<InPlace> {
+pub fn in_place(states: &[ContactState], may_stay: impl Fn(&Contact) -> bool) -> Option<InPlace> {
     let mut still = states.to_vec();
     for (k, state) in states.iter().enumerate() {
         for contact in state.iter().filter(&may_stay) {

@@ -64,8 +64,8 @@ pub use graph::{GraphOptions, Node, SkeletonGraph, StateId, Successor};
 pub use in_place::{InPlace, in_place};
 pub use manipulation::Manipulation;
 pub use search::{
-    Anew, BestFirst, Costs, Ending, Oracle, Policy, Rollouts, SearchLimits, Sequence, Statistics, Status,
-    TreeSearch, Verdict,
+    Anew, BestFirst, Costs, Ending, Oracle, Policy, Rollouts, SearchLimits, Sequence, Statistics,
+    Status, TreeSearch, Verdict,
 };
 pub use successors::successors;
 pub use task::{Change, Condition, Fact, FactSet, Operator, Task};

@@ -2,8 +2,8 @@
 
 use crate::fixtures::{bottom, contact, handle, id, robot, standing, surface};
 use symbolic::{
-    Anew, Contact, ContactState, Costs, Domain, Goal, GraphOptions, Interface, Oracle, Owner, Policy,
-    SearchLimits, Sequence, SkeletonGraph, Status, TreeSearch, Verdict,
+    Anew, Contact, ContactState, Costs, Domain, Goal, GraphOptions, Interface, Oracle, Owner,
+    Policy, SearchLimits, Sequence, SkeletonGraph, Status, TreeSearch, Verdict,
 };
 
 /// Robot, ground, a high platform and a box on whose top feet can stand.
@@ -148,7 +148,8 @@ impl Oracle for Far {
         self.asked_anew += 1;
         let rests = contact(&self.domain, "box_bottom", "ground_top");
         let helps = |&k: &usize| !states[k].contains(&rests);
-        Some(if at.iter().any(helps) { Anew::Possible(1) } else { Anew::Far })
+        let at = at.iter().copied().rfind(helps);
+        Some(at.map_or(Anew::Far, |at| Anew::Possible { at, swings: 1 }))
     }
 }
 

@@ -6,6 +6,7 @@
 //! impossible, so that one rejection concerns as many states as it can.
 
 mod beginnings;
+mod feet_anew;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Instant;
@@ -13,7 +14,7 @@ use std::time::Instant;
 use crate::api::{Impossible, Stop};
 use crate::journal::{Answer, Journal, States};
 use crate::summary;
-use beginnings::FeetAnew;
+use feet_anew::FeetAnew;
 use ocp::{Keyframes, Phase, Planner, Settings};
 use scene::{Owner, Role, Scene};
 use symbolic::{Anew, Contact, ContactState, Oracle, Verdict};
@@ -35,6 +36,8 @@ pub(crate) struct Checks<'a> {
     nodes: BTreeMap<Vec<ContactState>, Option<Vec<Vec<f64>>>>,
     /// The last beginning that setting feet anew made possible.
     anew: Option<FeetAnew>,
+    /// The beginning that was refused last, and, if by little, what came nearest to keyframes of it.
+    refused: Option<(Vec<ContactState>, Option<Vec<Vec<f64>>>)>,
     /// Sets that one configuration satisfies.
     possible: BTreeSet<ContactState>,
     /// Smallest sets that none satisfies.
@@ -68,6 +71,7 @@ impl<'a> Checks<'a> {
             journal,
             nodes: BTreeMap::new(),
             anew: None,
+            refused: None,
             possible: BTreeSet::new(),
             impossible: Vec::new(),
             before_moved: Vec::new(),
@@ -266,7 +270,7 @@ impl Oracle for Checks<'_> {
     }
 
     fn set_anew(&mut self, states: &[&ContactState], at: &[usize]) -> Option<Anew> {
-        Some(self.least_swings(states, at))
+        self.feet_anew(states, at)
     }
 
     fn transition(&mut self, from: &ContactState, to: &ContactState) -> Verdict {

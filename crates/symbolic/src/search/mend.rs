@@ -37,18 +37,13 @@ impl Walker {
         if stances.is_empty() {
             return None;
         }
-        match oracle.set_anew(&states, &stances)? {
-            Anew::Possible(_) => {}
+        let (at, least) = match oracle.set_anew(&states, &stances)? {
+            Anew::Possible { at, swings } => (at, swings),
             miss => {
                 self.beyond.note(graph, &path, miss == Anew::Far);
                 return None;
             }
-        }
-        let helps = |&at: &usize| match oracle.set_anew(&states, &[at])? {
-            Anew::Possible(least) => Some((at, least)),
-            _ => None,
         };
-        let (at, least) = stances.iter().rev().find_map(helps)?;
         let feet = self.feet(path[at]);
         for swings in least..=least + MORE_SWINGS {
             for first in 0..feet.len() {

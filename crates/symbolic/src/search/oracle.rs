@@ -18,8 +18,13 @@ pub enum Verdict {
 /// What becomes of a beginning that is impossible if feet are set anew.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Anew {
-    /// It is possible: steps may help, so many swings at least.
-    Possible(usize),
+    /// It is possible: steps may help.
+    Possible {
+        /// Position of the state in which the feet were set anew.
+        at: usize,
+        /// How many swings that takes at least.
+        swings: usize,
+    },
     /// It is impossible as far as is known, but by little.
     Near,
     /// It is impossible, by far: no step helps.
@@ -51,7 +56,7 @@ pub trait Oracle {
     }
 
     /// Could a sequence that is rejected as a whole begin with s_1 … s_k if the feet were set anew, on the same surfaces, in
-    /// the states of these positions? `None` if nothing is known of that.
+    /// one of the states of these positions? `None` if nothing is known of that.
     fn set_anew(&mut self, _states: &[&ContactState], _at: &[usize]) -> Option<Anew> {
         None
     }

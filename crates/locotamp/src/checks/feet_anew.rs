@@ -1,0 +1,153 @@
+//! Feet set anew where they stand wrong: would a beginning be possible then, and in which state.
+
+use super::Checks;
+use ocp::{Keyframes, Phase};
+use scene::Role;
+use symbolic::{Anew, Contact, ContactState};
+
+/// Way of the base that one swing allows at most [m], and what turning by 1 rad counts for [m].
+const STRIDE: f64 = 0.5;
+const TURN: f64 = 0.3;
+/// States that are tried alone, those with the longest ways first.
+const TRIES: usize = 3;
+
+/// A beginning that would be possible if the feet were set anew in one state.
+pub(super) struct FeetAnew {
+    states: Vec<ContactState>,
+    at: usize,
+    /// Keyframes of the beginning with two more phases after that state: in the air, and the state again.
+    nodes: Vec<Vec<f64>>,
+}
+
+impl Checks<'_> {
+    /// If the phases are the beginning for which feet were set anew last, with swings in place of that: the way there in as many
+    /// parts.
+    pub(super) fn guess_of_swings(&self, phases: &[Phase]) -> Option<Vec<Vec<f64>>> {
+        let FeetAnew { states, at, nodes } = self.anew.as_ref()?;
+        let more = phases.len().checked_sub(states.len()).filter(|&n| n > 0)?;
+        let same = |(phase, state): (&Phase, &ContactState)| phase.state == *state;
+        let (before, after) = (&states[..=*at], &states[at + 1..]);
+        if !phases.iter().zip(before).all(same)
+            || !phases[at + 1 + more..].iter().zip(after).all(same)
+        {
+            return None;
+        }
+        let model = &self.planner.system.model;
+        let (from, to) = (&nodes[at + 1], &nodes[at + 3]);
+        let way = model.difference(from, to);
+        let part = |n: usize| -> Vec<f64> {
+            let share = n as f64 / more as f64;
+            let way: Vec<f64> = way.iter().map(|d| share * d).collect();
+            model.integrate(from, &way)
+        };
+        let first = nodes[..=at + 1].iter().cloned();
+        let rest = nodes[at + 4..].iter().cloned();
+        Some(first.chain((1..=more).map(part)).chain(rest).collect())
+    }
+
+    /// Is a beginning possible if the feet are set anew in one of these states; with how many swings at least? `None` if it
+    /// is if that is done in several.
+    pub(super) fn feet_anew(
+        &mut self,
+        states: &[&ContactState],
+        stances: &[usize],
+    ) -> Option<Anew> {
+        let phases: Vec<Phase> = states.iter().map(|&s| self.phase(s.clone())).collect();
+        let mut guess = self.nearest_miss(&phases);
+        let mut all = guess
+            .as_ref()
+            .map(|nodes| self.solve_anew(&phases, stances, nodes));
+        if !all.as_ref().is_some_and(|found| found.possible) {
+            let known = self.guess_of_rest(&phases);
+            all = Some(self.solve_anew(&phases, stances, &known));
+            guess = Some(known);
+        }
+        let (guess, all) = (guess?, all?);
+        if !all.possible {
+            return Some(if all.is_hopeless() {
+                Anew::Far
+            } else {
+                Anew::Near
+            });
+        }
+        let mut ways: Vec<(usize, f64)> = (0..stances.len())
+            .map(|n| (n, self.way(&all.nodes, stances[n] + 2 * n)))
+            .collect();
+        ways.sort_by(|a, b| b.1.total_cmp(&a.1).then(b.0.cmp(&a.0)));
+        for &(n, _) in ways.iter().take(TRIES) {
+            let at = stances[n];
+            // Before it as without, after it as if the feet were set anew here only.
+            let after = (at + 1..phases.len()).map(|k| {
+                let earlier = stances.iter().filter(|&&s| s <= k).count();
+                all.nodes[k + 1 + 2 * earlier].clone()
+            });
+            let around = [at + 1, at + 2, at + 3].map(|k| all.nodes[k + 2 * n].clone());
+            let before = guess[..=at].iter().cloned();
+            let nodes: Vec<Vec<f64>> = before.chain(around).chain(after).collect();
+            let found = self.solve_with(&phases, &[at], &nodes);
+            if found.possible {
+                let way = self.way(&found.nodes, at);
+                self.anew = Some(FeetAnew {
+                    states: states.iter().map(|&s| s.clone()).collect(),
+                    at,
+                    nodes: found.nodes,
+                });
+                let swings = ((way / STRIDE).ceil() as usize).max(1);
+                return Some(Anew::Possible { at, swings });
+            }
+        }
+        None
+    }
+
+    /// How far the base goes between the boundary after phase `at` and the second one from there, feet in the air between [m].
+    fn way(&self, nodes: &[Vec<f64>], at: usize) -> f64 {
+        let model = &self.planner.system.model;
+        let way = model.difference(&nodes[at + 1], &nodes[at + 3]);
+        way[0].hypot(way[1]) + TURN * way[5].abs()
+    }
+
+    /// What came nearest to keyframes of a beginning that was refused by little.
+    fn nearest_miss(&mut self, phases: &[Phase]) -> Option<Vec<Vec<f64>>> {
+        let same = |known: &[ContactState]| known.iter().eq(phases.iter().map(|p| &p.state));
+        if !self.refused.as_ref().is_some_and(|(known, _)| same(known)) {
+            self.solve_beginning(phases); // the verdict is from the run that is continued
+        }
+        let refused = self.refused.as_ref().filter(|(known, _)| same(known));
+        refused.and_then(|(_, nodes)| nodes.clone())
+    }
+
+    /// From the keyframes of what was possible before the last step, the rest as a first guess has it.
+    fn guess_of_rest(&mut self, phases: &[Phase]) -> Vec<Vec<f64>> {
+        let telling = |k: &usize| self.is_telling(&phases[k - 1].state, &phases[*k].state);
+        let known = (2..phases.len()).rev().find(|k| telling(&(k - 1)));
+        let known = known.and_then(|k| self.nodes(&phases[..k]));
+        self.planner
+            .guess_after(known.as_deref().unwrap_or_default(), phases)
+    }
+
+    /// Keyframes with feet set anew in some states, each of which becomes three phases: itself, without feet, and itself again.
+    fn solve_anew(&self, phases: &[Phase], at: &[usize], guess: &[Vec<f64>]) -> Keyframes {
+        let mut nodes = vec![guess[0].clone()];
+        for k in 0..phases.len() {
+            let times = if at.contains(&k) { 3 } else { 1 };
+            nodes.extend(vec![guess[k + 1].clone(); times]);
+        }
+        self.solve_with(phases, at, &nodes)
+    }
+
+    /// The same from a guess with the nodes of the added phases.
+    fn solve_with(&self, phases: &[Phase], at: &[usize], guess: &[Vec<f64>]) -> Keyframes {
+        let is_foot = |c: &Contact| self.scene.interfaces[c.a.0].role == Role::Foot;
+        let mut longer = vec![];
+        for (k, phase) in phases.iter().enumerate() {
+            longer.push(phase.clone());
+            if at.contains(&k) {
+                // Geometry does not ask what holds the robot meanwhile.
+                let without = phase.state.iter().filter(|c| !is_foot(c)).collect();
+                longer.extend([self.phase(without), phase.clone()]);
+            }
+        }
+        self.planner
+            .keyframes_near(guess, &longer, self.settings, true)
+    }
+}
