@@ -48,8 +48,10 @@ impl Checks<'_> {
         let (planner, settings) = (self.planner, self.settings);
         if let Some(guess) = self.guess_of_swings(phases) {
             let found = planner.keyframes_near(&guess, phases, settings, true);
-            self.remember(phases, &found);
-            return found;
+            if found.possible {
+                self.remember(phases, &found);
+                return found;
+            }
         }
         let known = shorter.and_then(|k| self.nodes(&phases[..k]));
         let found = match known {

@@ -53,23 +53,10 @@ impl Checks<'_> {
         stances: &[usize],
     ) -> Option<Anew> {
         let phases: Vec<Phase> = states.iter().map(|&s| self.phase(s.clone())).collect();
-        let mut guess = self.nearest_miss(&phases);
-        let mut all = guess
-            .as_ref()
-            .map(|nodes| self.solve_anew(&phases, stances, nodes));
-        if !all.as_ref().is_some_and(|found| found.possible) {
-            let known = self.guess_of_rest(&phases);
-            all = Some(self.solve_anew(&phases, stances, &known));
-            guess = Some(known);
-        }
-        let (guess, all) = (guess?, all?);
-        if !all.possible {
-            return Some(if all.is_hopeless() {
-                Anew::Far
-            } else {
-                Anew::Near
-            });
-        }
+        let (guess, all) = match self.anew_in_all(&phases, stances) {
+            Ok(found) => found,
+            Err(miss) => return Some(miss),
+        };
         let mut ways: Vec<(usize, f64)> = (0..stances.len())
             .map(|n| (n, self.way(&all.nodes, stances[n] + 2 * n)))
             .collect();
@@ -97,6 +84,29 @@ impl Checks<'_> {
             }
         }
         None
+    }
+
+    /// Keyframes with feet set anew in all these states, and the guess from which they were found.
+    fn anew_in_all(
+        &mut self,
+        phases: &[Phase],
+        stances: &[usize],
+    ) -> Result<(Vec<Vec<f64>>, Keyframes), Anew> {
+        let near = self.nearest_miss(phases);
+        let missed = near.is_some();
+        if let Some(guess) = near {
+            let found = self.solve_anew(phases, stances, &guess);
+            if found.possible {
+                return Ok((guess, found));
+            }
+        }
+        let guess = self.guess_of_rest(phases);
+        let found = self.solve_anew(phases, stances, &guess);
+        if found.possible {
+            return Ok((guess, found));
+        }
+        let far = found.is_hopeless() && !missed;
+        Err(if far { Anew::Far } else { Anew::Near })
     }
 
     /// How far the base goes between the boundary after phase `at` and the second one from there, feet in the air between [m].

@@ -7,20 +7,21 @@ use crate::domain::Role;
 use crate::graph::{SkeletonGraph, StateId};
 use crate::in_place::in_place;
 
-/// Near misses after which steps are no longer expected to help: after two of them they did on `two-box`.
-const MISSES: usize = 3;
+/// Misses by far after which steps are no longer expected to help: one may be a local minimum. Near misses say nothing: on
+/// `from-floor` a step helped after many.
+const MISSES: usize = 2;
 
-/// Beginnings with their near misses, those of the same contacts but for steps counted together.
+/// Beginnings with their misses, those of the same contacts but for steps counted together.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Beyond {
     misses: BTreeMap<Vec<ContactState>, usize>,
 }
 
 impl Beyond {
-    /// Takes note of a beginning that is impossible even with all feet set anew, `far` or by little.
-    pub(crate) fn note(&mut self, graph: &SkeletonGraph, path: &[StateId], far: bool) {
+    /// Takes note of a beginning that is far from possible even with all feet set anew.
+    pub(crate) fn note(&mut self, graph: &SkeletonGraph, path: &[StateId]) {
         let misses = self.misses.entry(without_steps(graph, path)).or_default();
-        *misses += if far { MISSES } else { 1 };
+        *misses += 1;
     }
 
     /// True if a beginning differs by steps only from one that they do not help.

@@ -39,8 +39,9 @@ impl Walker {
         }
         let (at, least) = match oracle.set_anew(&states, &stances)? {
             Anew::Possible { at, swings } => (at, swings),
-            miss => {
-                self.beyond.note(graph, &path, miss == Anew::Far);
+            Anew::Near => return None,
+            Anew::Far => {
+                self.beyond.note(graph, &path);
                 return None;
             }
         };
