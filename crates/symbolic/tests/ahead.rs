@@ -1,5 +1,7 @@
 //! Searches that look ahead, know what has not been moved, and put steps in.
 
+use std::collections::BTreeMap;
+
 use crate::fixtures::{bottom, contact, handle, id, robot, standing, surface};
 use symbolic::{
     Anew, Contact, ContactState, Costs, Domain, Goal, GraphOptions, Interface, Oracle, Owner,
@@ -168,6 +170,62 @@ fn steps_are_put_in_where_they_help() {
         assert!(far.swings(&states) >= 3, "{:?}", sequence.labels);
         assert!(far.asked_anew > 0);
     }
+}
+
+/// The box cannot be grasped, wherever the feet stand.
+struct Ungraspable {
+    far: Far,
+    /// Grasps that were asked about where nothing but the ground had carried a foot, with how often.
+    asked: BTreeMap<ContactState, usize>,
+}
+
+impl Oracle for Ungraspable {
+    fn prefix(&mut self, states: &[&ContactState]) -> Verdict {
+        let holds = |hand| contact(&self.far.domain, hand, "box_handle");
+        let holds = ["left_hand", "right_hand"].map(holds);
+        let Some((last, before)) = states.split_last() else {
+            return Verdict::Accept;
+        };
+        if !holds.iter().any(|hold| last.contains(hold)) {
+            return Verdict::Accept;
+        }
+        let feet = ["left_foot", "right_foot"];
+        let ground = feet.map(|f| contact(&self.far.domain, f, "ground_top"));
+        let elsewhere = |c: &Contact| {
+            feet.iter().any(|f| c.a == id(&self.far.domain, f)) && !ground.contains(c)
+        };
+        if !before.iter().any(|s| s.iter().any(|c| elsewhere(&c))) {
+            *self.asked.entry((*last).clone()).or_default() += 1;
+        }
+        Verdict::Reject("out of reach".into())
+    }
+
+    fn set_anew(&mut self, _states: &[&ContactState], _at: &[usize]) -> Option<Anew> {
+        Some(Anew::Far)
+    }
+}
+
+#[test]
+fn what_no_step_helps_is_not_asked_again_after_every_step() {
+    let domain = climb();
+    let far = Far {
+        domain: domain.clone(),
+        needed: 0,
+        asked_anew: 0,
+    };
+    let mut ungraspable = Ungraspable {
+        far,
+        asked: BTreeMap::new(),
+    };
+    let mut search = search(&domain, 1);
+    for _ in 0..30 {
+        let sequence = search
+            .next(&mut ungraspable)
+            .expect("there are many without the box");
+        search.learn(&sequence.states, 0.3);
+    }
+    let most = ungraspable.asked.values().max();
+    assert_eq!(most, Some(&2), "{:?}", ungraspable.asked);
 }
 
 /// Nothing leads up.

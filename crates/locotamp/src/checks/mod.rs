@@ -421,6 +421,44 @@ mod tests {
     }
 
     #[test]
+    fn a_beginning_that_is_missed_by_little_is_possible_with_feet_anew() {
+        let scene = Scene::builtin("two-box").expect("a built-in scene");
+        let planner = Planner::new(&scene).expect("a model");
+        let settings = Settings::new(Preset::Default, &scene.optimiser);
+        let mut checks = fresh(&planner, &settings);
+        let feet = [("left_foot", "ground_top"), ("right_foot", "ground_top")];
+        let red = |on| ("red_box_bottom", on);
+        let green = |on| ("green_box_bottom", on);
+        let held = [("left_hand", "red_box_handle")];
+        let squeezed = [
+            ("left_hand", "green_box_left"),
+            ("right_hand", "green_box_right"),
+        ];
+        let with = |pairs: &[&[(&str, &str)]]| state(&scene, &pairs.concat());
+        let (a, b, c) = ("table_a_top", "table_b_top", "table_c_top");
+        let states = [
+            with(&[&feet, &[red(a), green(b)]]),
+            with(&[&feet, &held, &[red(a), green(b)]]),
+            with(&[&feet, &held, &[green(b)]]),
+            with(&[&feet, &held, &[red(c), green(b)]]),
+            with(&[&feet, &[red(c), green(b)]]),
+            with(&[&feet, &squeezed, &[red(c), green(b)]]),
+            with(&[&feet, &squeezed, &[red(c)]]),
+            with(&[&feet, &squeezed, &[red(c), green(c)]]),
+        ];
+        let states: Vec<&ContactState> = states.iter().collect();
+        assert!(matches!(checks.prefix(&states), Verdict::Reject(_)));
+        let stances: Vec<usize> = (0..states.len() - 1).collect();
+        let anew = checks.set_anew(&states, &stances);
+        let Some(Anew::Possible { at, swings }) = anew else {
+            panic!("{anew:?}");
+        };
+        assert!(stances.contains(&at));
+        // The tables are half a metre apart.
+        assert!((1..=4).contains(&swings), "{swings} swings");
+    }
+
+    #[test]
     fn a_hand_on_the_far_side_of_a_box_is_possible_since_the_box_may_be_turned() {
         let scene = Scene::builtin("lift-box").expect("a built-in scene");
         let planner = Planner::new(&scene).expect("a model");
