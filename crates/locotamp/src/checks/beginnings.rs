@@ -10,6 +10,13 @@ use symbolic::{Contact, ContactState, InterfaceId, in_place};
 /// Beginnings whose keyframes are remembered.
 const MOST_NODES: usize = 2000;
 
+/// The beginning that was refused last.
+pub(super) struct Refused {
+    pub states: Vec<ContactState>,
+    /// What came nearest to keyframes of it, if by little.
+    pub nearest: Option<Vec<Vec<f64>>>,
+}
+
 impl Checks<'_> {
     /// Are there keyframes of a beginning of a sequence, the goal aside? If not, why.
     pub fn beginning(&mut self, phases: &[Phase]) -> Answer {
@@ -86,7 +93,10 @@ impl Checks<'_> {
         let key: Vec<ContactState> = phases.iter().map(|p| p.state.clone()).collect();
         if !found.possible {
             let near = !found.is_hopeless();
-            self.refused = Some((key.clone(), near.then(|| found.nodes.clone())));
+            self.refused = Some(Refused {
+                states: key.clone(),
+                nearest: near.then(|| found.nodes.clone()),
+            });
         }
         let nodes = found.possible.then(|| found.nodes.clone());
         self.nodes.insert(key, nodes);

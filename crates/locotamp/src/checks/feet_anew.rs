@@ -1,6 +1,7 @@
 //! Feet set anew where they stand wrong: would a beginning be possible then, and in which state.
 
 use super::Checks;
+use super::beginnings::Refused;
 use ocp::{Keyframes, Phase};
 use scene::Role;
 use symbolic::{Anew, Contact, ContactState};
@@ -118,12 +119,12 @@ impl Checks<'_> {
 
     /// What came nearest to keyframes of a beginning that was refused by little.
     fn nearest_miss(&mut self, phases: &[Phase]) -> Option<Vec<Vec<f64>>> {
-        let same = |known: &[ContactState]| known.iter().eq(phases.iter().map(|p| &p.state));
-        if !self.refused.as_ref().is_some_and(|(known, _)| same(known)) {
+        let same = |refused: &Refused| refused.states.iter().eq(phases.iter().map(|p| &p.state));
+        if !self.refused.as_ref().is_some_and(same) {
             self.solve_beginning(phases); // the verdict is from the run that is continued
         }
-        let refused = self.refused.as_ref().filter(|(known, _)| same(known));
-        refused.and_then(|(_, nodes)| nodes.clone())
+        let refused = self.refused.as_ref().filter(|refused| same(refused));
+        refused.and_then(|refused| refused.nearest.clone())
     }
 
     /// From the keyframes of what was possible before the last step, the rest as a first guess has it.

@@ -14,6 +14,7 @@ use std::time::Instant;
 use crate::api::{Impossible, Stop};
 use crate::journal::{Answer, Journal, States};
 use crate::summary;
+use beginnings::Refused;
 use feet_anew::FeetAnew;
 use ocp::{Keyframes, Phase, Planner, Settings};
 use scene::{Owner, Role, Scene};
@@ -36,8 +37,7 @@ pub(crate) struct Checks<'a> {
     nodes: BTreeMap<Vec<ContactState>, Option<Vec<Vec<f64>>>>,
     /// The last beginning that setting feet anew made possible.
     anew: Option<FeetAnew>,
-    /// The beginning that was refused last, and, if by little, what came nearest to keyframes of it.
-    refused: Option<(Vec<ContactState>, Option<Vec<Vec<f64>>>)>,
+    refused: Option<Refused>,
     /// Sets that one configuration satisfies.
     possible: BTreeSet<ContactState>,
     /// Smallest sets that none satisfies.
