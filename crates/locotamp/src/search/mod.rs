@@ -239,10 +239,8 @@ impl Run<'_> {
             if has_room && self.submit() {
                 continue;
             }
-            if let Some(next) = self.under_way.pop_front() {
-                if let Some(done) = self.wait(next.number) {
-                    self.take(next, *done);
-                }
+            if let Some(number) = self.under_way.front().map(|next| next.number) {
+                self.take_next(number);
             } else if let Some(reason) = ended {
                 return reason;
             } else if !self.draw() {

@@ -17,19 +17,41 @@ use symbolic::Sequence;
 const MOST_RELATIVES: usize = 16;
 
 impl Run<'_> {
-    /// The result of a sequence, in its turn; `None` if the search is over before.
-    pub fn wait(&mut self, number: usize) -> Option<Box<Evaluated>> {
+    /// Takes the result of the first sequence under way, `number`, when it comes, unless the search is over before.
+    pub fn take_next(&mut self, number: usize) {
         while !self.results.contains_key(&number) {
-            let message = self.workers.messages.recv().ok()?;
-            self.receive(message);
+            match self.workers.messages.recv() {
+                Ok(message) => self.receive(message),
+                Err(_) => self.lost = true,
+            }
             if self.is_over().is_some() {
-                return None;
+                return;
             }
         }
         // What was cut off by the end of the search says nothing.
-        self.is_over()
-            .is_none()
-            .then(|| self.results.remove(&number))?
+        if self.is_over().is_none() {
+            let (next, done) = (self.under_way.pop_front(), self.results.remove(&number));
+            if let (Some(next), Some(done)) = (next, done) {
+                self.take(next, *done);
+            }
+        }
+    }
+
+    /// Takes the plans that are there but for their turn, if the search was cut off.
+    fn take_plans(&mut self) {
+        let late = self.shop.begin.elapsed().as_secs_f64() > self.deadline();
+        if !late && !self.is_stopped() {
+            return;
+        }
+        while let Ok(message) = self.workers.messages.try_recv() {
+            self.receive(message);
+        }
+        while let Some(next) = self.under_way.pop_front() {
+            let done = self.results.remove(&next.number);
+            if let Some(done) = done.filter(|done| done.plan.is_some()) {
+                self.take(next, *done);
+            }
+        }
     }
 
     /// Takes note of news from a worker.
@@ -185,6 +207,7 @@ impl Run<'_> {
     /// Stops what is under way, refines the best plan that can be refined and puts everything together.
     pub fn finish(mut self, ended: String) -> Outcome {
         let wanted = !self.is_stopped();
+        self.take_plans();
         self.shop.stop.store(true, Ordering::SeqCst);
         let feasible = self.diverse.best().is_some();
         let best = if feasible {

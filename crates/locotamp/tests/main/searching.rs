@@ -4,6 +4,7 @@ use locotamp::{Attempt, Error, Event, Outcome, Reached, Request, Search, Stop};
 use scene::Scene;
 use std::path::Path;
 use std::sync::atomic::Ordering;
+use std::time::Duration;
 
 /// A search for two plans of a side step, a few sequences long.
 fn request(journal: Option<&Path>) -> Request {
@@ -45,6 +46,34 @@ fn the_observer_is_told_of_every_sequence_that_counts_as_tried() {
         .collect();
     assert!(!tried.is_empty());
     assert_eq!(told, tried);
+}
+
+#[test]
+fn a_plan_that_waits_for_its_turn_is_not_lost_when_the_search_is_stopped() {
+    let scene = Scene::builtin("side-step").expect("a built-in scene");
+    // The eight sequences to choose the first from are drawn; the ninth while that is optimised.
+    let stopped_after = |seconds| {
+        let mut taken = 0;
+        let mut observe = |event: &Event| match event {
+            Event::Sequence { number: 9.., .. } => {
+                std::thread::sleep(Duration::from_secs(seconds));
+                false
+            }
+            Event::Optimised { .. } => {
+                taken += 1;
+                true
+            }
+            _ => true,
+        };
+        let outcome =
+            locotamp::plan(&scene, &request(None), &mut observe).expect("a planning problem");
+        assert!(
+            taken <= 1,
+            "it was stopped before the first result was taken"
+        );
+        outcome.feasible
+    };
+    assert!([2, 8, 32, 128].into_iter().any(stopped_after));
 }
 
 #[test]
