@@ -64,14 +64,7 @@ impl Checks<'_> {
         ways.sort_by(|a, b| b.1.total_cmp(&a.1).then(b.0.cmp(&a.0)));
         for &(n, _) in ways.iter().take(TRIES) {
             let at = stances[n];
-            // Before it as without, after it as if the feet were set anew here only.
-            let after = (at + 1..phases.len()).map(|k| {
-                let earlier = stances.iter().filter(|&&s| s <= k).count();
-                all.nodes[k + 1 + 2 * earlier].clone()
-            });
-            let around = [at + 1, at + 2, at + 3].map(|k| all.nodes[k + 2 * n].clone());
-            let before = guess[..=at].iter().cloned();
-            let nodes: Vec<Vec<f64>> = before.chain(around).chain(after).collect();
+            let nodes = anew_in_one(&guess, &all.nodes, stances, n);
             let found = self.solve_with(&phases, &[at], &nodes);
             if found.possible {
                 let way = self.way(&found.nodes, at);
@@ -161,4 +154,17 @@ impl Checks<'_> {
         self.planner
             .keyframes_near(guess, &longer, self.settings, true)
     }
+}
+
+/// A guess with feet set anew in the n-th of some states only, from keyframes with that in `all` of them: before it as in `guess`,
+/// which has none, after it as if nothing happened in the others.
+fn anew_in_one(guess: &[Vec<f64>], all: &[Vec<f64>], stances: &[usize], n: usize) -> Vec<Vec<f64>> {
+    let at = stances[n];
+    let before = guess[..=at].iter();
+    let around = all[at + 1 + 2 * n..at + 4 + 2 * n].iter();
+    let after = (at + 2..guess.len()).map(|k| {
+        let earlier = stances.iter().filter(|&&s| s < k).count();
+        &all[k + 2 * earlier]
+    });
+    before.chain(around).chain(after).cloned().collect()
 }
