@@ -3,7 +3,6 @@
 use crate::api::Error;
 use nalgebra::Vector3;
 use scene::{Objective, Owner, Role, Scene};
-use spatial::Pose;
 use std::collections::BTreeMap;
 use symbolic::pddl::{DomainFile, Problem};
 use symbolic::search::{EndCost, ExtraCost, Step};
@@ -184,8 +183,6 @@ const UPWARD: f64 = 0.98;
 const LOW: f64 = 100.0;
 /// Cost of a foot set on a wall or a slope: as much as four swings [phases].
 const STEEP: f64 = 8.0;
-/// Cost of a foot set higher by the height of the base: as much as three swings [phases].
-const RISE: f64 = 6.0;
 
 /// Costs by which sequences are ordered. Where the base is to get high, new surfaces and manipulation are what may help.
 pub(crate) fn costs(scene: &Scene) -> Costs {
@@ -220,51 +217,23 @@ pub(crate) fn end_cost(scene: &Scene) -> Option<EndCost> {
     }))
 }
 
-/// A cost beside these: setting a foot on what does not face up at the start, or, unless up is where the goal is, on what is
-/// higher than what carries a foot then.
+/// A cost beside these: setting a foot on what does not face up at the start.
 pub(crate) fn own_cost(scene: &Scene) -> ExtraCost {
-    let poses: Vec<Option<Pose>> = scene
-        .interfaces
-        .iter()
-        .map(|i| at_start(scene, i))
-        .collect();
-    let carries_foot = |c: &&Contact| scene.interfaces[c.a.0].role == Role::Foot;
-    let stances = scene.start_contacts.iter().filter(carries_foot);
-    let heights = stances.filter_map(|c| Some(poses[c.b.0].as_ref()?.origin().z));
-    let highest = heights.fold(f64::NEG_INFINITY, f64::max);
-    let base = scene.start.get(2).copied().unwrap_or(0.0);
-    let leg = base - highest;
-    let rise = if looks_ahead(scene) || !leg.is_finite() || leg <= 0.0 {
-        0.0
-    } else {
-        RISE / leg
-    };
-    let cost = |pose: &Option<Pose>| match pose {
-        Some(pose) if pose.rotate(Vector3::z()).z > UPWARD => {
-            rise * (pose.origin().z - highest).max(0.0)
+    let faces_up = |i: &scene::Interface| match i.owner {
+        Owner::Robot { .. } => false,
+        Owner::Object(o) => {
+            let pose = scene.objects[o].world_from_start * i.body_from_interface;
+            pose.rotate(Vector3::z()).z > UPWARD
         }
-        _ => STEEP,
+        Owner::Static(_) => i.body_from_interface.rotate(Vector3::z()).z > UPWARD,
     };
-    let costs: Vec<f64> = poses.iter().map(cost).collect();
+    let steep: Vec<bool> = scene.interfaces.iter().map(|i| !faces_up(i)).collect();
     Box::new(move |step: &Step<'_>| {
         let domain = step.graph.domain();
-        let of_foot = |c: &&Contact| domain.is_effector(c.a, symbolic::Role::Foot);
-        step.action
-            .makes
-            .iter()
-            .filter(of_foot)
-            .map(|c| costs[c.b.0])
-            .sum()
+        let is_foot = |i| domain.is_effector(i, symbolic::Role::Foot);
+        let odd = |c: &&Contact| is_foot(c.a) && steep[c.b.0];
+        STEEP * step.action.makes.iter().filter(odd).count() as f64
     })
-}
-
-/// Where an interface is at the start; `None` for those of the robot.
-fn at_start(scene: &Scene, interface: &scene::Interface) -> Option<Pose> {
-    match interface.owner {
-        Owner::Robot { .. } => None,
-        Owner::Object(o) => Some(scene.objects[o].world_from_start * interface.body_from_interface),
-        Owner::Static(_) => Some(interface.body_from_interface),
-    }
 }
 
 /// True if where the feet end matters: the search then looks ahead.
@@ -279,11 +248,12 @@ pub(crate) fn looks_ahead(scene: &Scene) -> bool {
 
 /// For every foot and upward surface how much lower it is, at the start, than the highest: 0 to [`LOW`].
 fn lowness(scene: &Scene) -> BTreeMap<(InterfaceId, InterfaceId), f64> {
-    let poses: Vec<_> = scene
-        .interfaces
-        .iter()
-        .map(|i| at_start(scene, i))
-        .collect();
+    let world_from = |i: &scene::Interface| match i.owner {
+        Owner::Robot { .. } => None,
+        Owner::Object(o) => Some(scene.objects[o].world_from_start * i.body_from_interface),
+        Owner::Static(_) => Some(i.body_from_interface),
+    };
+    let poses: Vec<_> = scene.interfaces.iter().map(world_from).collect();
     let height = |n: usize| {
         let pose = poses[n].as_ref()?;
         let up = pose.rotate(Vector3::z()).z > UPWARD;

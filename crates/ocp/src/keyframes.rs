@@ -223,9 +223,10 @@ impl<'a> Ask<'a> {
         }
     }
 
-    /// Solves from a guess from the sequence alone, then, unless that ended hopelessly far from satisfying the contacts, from one that was solved boundary by boundary, at last from both with
-    /// short steps, no pull to the home posture at the end and, if clearances resist, with those of all that is near the guess from
-    /// the beginning: once a link is inside something, its row may lead out on the wrong side.
+    /// Solves from a guess from the sequence alone, then, unless that ended hopelessly far from satisfying the contacts, from one
+    /// that was solved boundary by boundary, at last from both with short steps, no pull to the home posture at the end and, if
+    /// clearances resist, with those of all that is near the guess from the beginning: once a link is inside something, its row may
+    /// lead out on the wrong side.
     fn answer(&self) -> Keyframes {
         let (best, rows, guesses) = self.attempts();
         self.carefully(best, rows, guesses)
