@@ -112,6 +112,9 @@ pub struct Tried {
     pub violation: Option<f64>,
     /// Iterations of the optimiser.
     pub iterations: usize,
+    /// Work of the optimiser: elements of the problem, summed over the iterations.
+    #[serde(default)]
+    pub work: u64,
     /// Time of the optimiser [s].
     pub seconds: f64,
     /// What the search was told, between 0 and 1.

@@ -1,4 +1,4 @@
-//! Centre of mass, its Jacobian, and the contracted Hessian yᵀ ∂²c.
+//! Centre of mass and other weighted sums of points, their Jacobian, and the contracted Hessian yᵀ ∂²c.
 //!
 //! Frames: world. A unit rate of index k moves the masses behind it as points of one rigid body, so with M_k, h_k mass and
 //! first moment of the subtree and m the total mass: m ∂c/∂q_k = M_k S_k,lin + S_k,ang × h_k. A further increment of an
@@ -11,7 +11,18 @@ use crate::{Kinematics, Model};
 use nalgebra::{DMatrix, Matrix3xX, Vector3};
 use spatial::Twist;
 
-/// Workspace for the centre of mass.
+/// A point fixed to a body, and what it counts for in a sum of points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WeightedPoint {
+    /// The joint that carries it.
+    pub joint: usize,
+    /// Its place in the joint frame [m].
+    pub in_joint: Vector3<f64>,
+    /// Its weight.
+    pub weight: f64,
+}
+
+/// Workspace for the centre of mass, and for other sums of points.
 #[derive(Debug, Clone)]
 pub struct CenterOfMass {
     mass: Vec<f64>,
@@ -40,34 +51,64 @@ impl CenterOfMass {
         model: &Model,
         kinematics: &Kinematics,
     ) -> (Vector3<f64>, &Matrix3xX<f64>) {
+        let total = model.total_mass();
         for (i, joint) in model.joints.iter().enumerate() {
             let inertia = &joint.inertia;
-            self.mass[i] = inertia.mass;
-            self.moment[i] = kinematics.world_from_joint[i].act(inertia.com) * inertia.mass;
+            self.mass[i] = inertia.mass / total;
+            self.moment[i] = kinematics.world_from_joint[i].act(inertia.com) * self.mass[i];
         }
-        let (mut mass, mut moment) = (0.0, Vector3::zeros());
+        self.accumulate(model, kinematics)
+    }
+
+    /// The same of Σ w p over points with weights of either sign in place of masses.
+    pub fn compute_sum(
+        &mut self,
+        model: &Model,
+        kinematics: &Kinematics,
+        points: &[WeightedPoint],
+    ) -> (Vector3<f64>, &Matrix3xX<f64>) {
+        self.mass.fill(0.0);
+        self.moment.fill(Vector3::zeros());
+        for point in points {
+            let place = kinematics.world_from_joint[point.joint].act(point.in_joint);
+            self.mass[point.joint] += point.weight;
+            self.moment[point.joint] += place * point.weight;
+        }
+        self.accumulate(model, kinematics)
+    }
+
+    /// From what each joint carries itself to all that is behind it, and to the Jacobian.
+    fn accumulate(
+        &mut self,
+        model: &Model,
+        kinematics: &Kinematics,
+    ) -> (Vector3<f64>, &Matrix3xX<f64>) {
+        self.com = Vector3::zeros();
         for (i, joint) in model.joints.iter().enumerate().rev() {
             let (mass_behind, moment_behind) = (self.mass[i], self.moment[i]);
             if let Some(parent) = joint.parent {
                 self.mass[parent] += mass_behind;
                 self.moment[parent] += moment_behind;
             } else {
-                mass += mass_behind;
-                moment += moment_behind;
+                self.com += moment_behind;
             }
         }
-        self.com = moment / mass;
         for (i, joint) in model.joints.iter().enumerate() {
             for k in joint.idx_v..joint.idx_v + joint.kind.nv() {
                 let column = Twist::from_vector(&kinematics.column_in_world[k]);
                 let moved = column.linear * self.mass[i] + column.angular.cross(&self.moment[i]);
-                self.jacobian.set_column(k, &(moved / mass));
+                self.jacobian.set_column(k, &moved);
             }
         }
         (self.com, &self.jacobian)
     }
 
-    /// Hessian of δ ↦ yᵀ c(q ⊕ δ) at 0, nv×nv, symmetric; uses the Jacobian of the last [`CenterOfMass::compute`].
+    /// Jacobian of the last computation, 3×nv.
+    pub fn jacobian(&self) -> &Matrix3xX<f64> {
+        &self.jacobian
+    }
+
+    /// Hessian of δ ↦ yᵀ c(q ⊕ δ) at 0, nv×nv, symmetric; uses the Jacobian of the last computation.
     pub fn hessian(
         &mut self,
         model: &Model,
@@ -121,6 +162,19 @@ mod tests {
                 jacobian.as_slice(),
                 1e-9,
             );
+
+            // The masses as weights of points make the same.
+            let total = model.total_mass();
+            let point = |(joint, of): (usize, &crate::Joint)| WeightedPoint {
+                joint,
+                in_joint: of.inertia.com,
+                weight: of.inertia.mass / total,
+            };
+            let points: Vec<_> = model.joints.iter().enumerate().map(point).collect();
+            let mut sum = CenterOfMass::new(model);
+            let (place, by_points) = sum.compute_sum(model, &kinematics, &points);
+            assert!((place - com_at(&zero)).norm() < 1e-12);
+            assert!((by_points - &jacobian).norm() < 1e-12);
 
             let y = Vector3::new(0.4, -0.7, 0.9);
             let hessian = here.hessian(model, &kinematics, &y);

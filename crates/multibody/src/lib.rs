@@ -27,7 +27,7 @@ mod urdf;
 mod urdf_tree;
 mod world_inertia;
 
-pub use center_of_mass::CenterOfMass;
+pub use center_of_mass::{CenterOfMass, WeightedPoint};
 pub use centroidal::Centroidal;
 pub use centroidal_derivatives::CentroidalDerivatives;
 pub use crba::Crba;

@@ -97,6 +97,17 @@ impl Trajectory {
                 sums[cost.slot].add(&gradient, &hessian);
                 sums[cost.slot].cost_gradient += gradient;
             }
+            if let Some(balance) = &program.nodes[node].balance {
+                let kinematics = &self.nodes[node].kinematics;
+                let (gradient, hessian) = (&mut out.gradient, &mut out.hessian);
+                balance.derivatives(
+                    &program.system.model,
+                    kinematics,
+                    &mut s.balance,
+                    |i, value| gradient[first + i] += value,
+                    |i, j, value| hessian[(first + j) * n + first + i] += value,
+                );
+            }
             posture_cost(program, node, &x.nodes[node], |i, gradient, curvature| {
                 out.gradient[first + i] += gradient;
                 out.hessian[(first + i) * n + first + i] += curvature;

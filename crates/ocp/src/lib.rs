@@ -3,6 +3,7 @@
 //! Data flow: a [`scene::Scene`] and a sequence of [`Phase`]s become a [`Program`] (which variables and rows exist), a
 //! [`Trajectory`] evaluates it, the solver moves a [`Point`], [`motion`] solves it from keyframes to a checked result.
 
+mod balance;
 mod between;
 mod chain;
 pub mod collision;

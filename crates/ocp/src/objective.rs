@@ -158,6 +158,11 @@ impl Trajectory {
                 let rows = cost.weights.iter().zip(&s.values);
                 costs.add(cost.kind, rows.map(|(w, v)| w * v).sum());
             }
+            if let Some(balance) = &program.nodes[node].balance {
+                let kinematics = &self.nodes[node].kinematics;
+                let cost = balance.cost(&program.system.model, kinematics, &mut s.balance);
+                costs.add(CostTerm::Guide, cost);
+            }
             let posture = posture_cost(program, node, &x.nodes[node], |_, _, _| ());
             costs.add(program.nodes[node].posture_kind, posture);
         }

@@ -16,7 +16,7 @@ use crate::states::{self, At};
 use crate::terms::PoseTerm;
 use crate::terms::distance::Nearest;
 use crate::terms::place::Place;
-use multibody::{Kinematics, Rnea, RneaHessian};
+use multibody::{CenterOfMass, Kinematics, Rnea, RneaHessian};
 use nalgebra::Vector6;
 use solver::{ElementData, ElementStructure, Problem, Structure};
 
@@ -42,6 +42,7 @@ pub(crate) struct Scratch {
     pub(crate) force_gradients: Vec<(Vector6<f64>, Vector6<f64>)>,
     pub(crate) momentum: Momentum,
     pub(crate) slips: Slips,
+    pub(crate) balance: CenterOfMass,
 }
 
 /// The program with its scratch memory, ready for the solver.
@@ -97,6 +98,7 @@ impl Trajectory {
             force_gradients: vec![(Vector6::zeros(), Vector6::zeros()); 16],
             momentum: Momentum::new(&program.system.robot, nv),
             slips: Slips::new(nv),
+            balance: CenterOfMass::new(model),
         };
         let most_frames = (program.nodes.iter().map(|n| n.frames.len())).max();
         let pose_sums = vec![PoseSum::new(); most_frames.unwrap_or(0)];

@@ -40,6 +40,8 @@ pub struct Iteration {
     pub shift: f64,
     /// Trial points of the line search.
     pub trials: usize,
+    /// Elements of the problem: an iteration's work is proportional to them.
+    pub elements: usize,
 }
 
 /// Time spent per part of the iteration.

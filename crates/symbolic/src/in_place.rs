@@ -1,8 +1,8 @@
 //! A beginning of a sequence in which nobody takes a step, for one with steps.
 //!
 //! Whoever may lift a foot and set it down again may as well leave it where it is. So configurations that satisfy the sequence
-//! without such steps satisfy the one with them, each standing for several boundaries; and beginnings that are the same
-//! without steps are those that steps make of one another.
+//! without such steps satisfy the one with them, one in the middle of a state standing for all boundaries that steps add to it;
+//! and beginnings that are the same without steps are those that steps make of one another.
 
 use crate::contact::{Contact, ContactState};
 
@@ -15,16 +15,20 @@ pub struct InPlace {
     of_state: Vec<usize>,
 }
 
-/// The sequence in which contacts that `may_stay` says so of last until they are made again, or till the end, where nothing
-/// else is touched in between; `None` if that is the same sequence.
-pub fn in_place(states: &[ContactState], may_stay: impl Fn(&Contact) -> bool) -> Option<InPlace> {
+/// The sequence in which contacts that `may_stay` says so of last until they are made again, where nothing else is touched in
+/// between, and if `to_the_end` those that are not made again too; `None` if that is the same sequence.
+pub fn in_place(
+    states: &[ContactState],
+    to_the_end: bool,
+    may_stay: impl Fn(&Contact) -> bool,
+) -> Option<InPlace> {
     let mut still = states.to_vec();
     for (k, state) in states.iter().enumerate() {
         for contact in state.iter().filter(&may_stay) {
             let touches = |s: &ContactState| s.iter().any(|c| c.a == contact.a);
             let away = states[k + 1..].iter().take_while(|s| !touches(s)).count();
             let next = states.get(k + 1 + away);
-            if next.is_none_or(|s| s.contains(&contact)) {
+            if next.map_or(to_the_end, |s| s.contains(&contact)) {
                 for state in &mut still[k + 1..k + 1 + away] {
                     state.contacts.insert(contact);
                 }
@@ -49,11 +53,31 @@ pub fn in_place(states: &[ContactState], may_stay: impl Fn(&Contact) -> bool) ->
 }
 
 impl InPlace {
-    /// What the boundaries of the sequence with steps have, from what those of the one without have: `nodes`, one more than
-    /// there are states.
+    /// How often each state is there with its middle: twice if it stands for several, else once.
+    fn times(&self) -> Vec<usize> {
+        let of = |n: usize| self.of_state.iter().filter(|&&state| state == n).count();
+        (0..self.states.len()).map(|n| of(n).min(2)).collect()
+    }
+
+    /// The states, with those twice that stand for several: between the two nothing is made or broken, as at a boundary that
+    /// steps add.
+    pub fn with_middles(&self) -> Vec<ContactState> {
+        let states = self.states.iter().zip(self.times());
+        states
+            .flat_map(|(state, times)| vec![state.clone(); times])
+            .collect()
+    }
+
+    /// What the boundaries of the sequence with steps have, from what those of [`InPlace::with_middles`] have: `nodes`, one more
+    /// than there are states.
     pub fn with_steps<T: Clone>(&self, nodes: &[T]) -> Vec<T> {
-        // The boundary before a state that has become the same as the one before may be either end; the first moves least.
-        let before = self.of_state.iter().map(|&state| nodes[state].clone());
+        let times = self.times();
+        let first = |state: usize| times[..state].iter().sum::<usize>();
+        let before = (0..self.of_state.len()).map(|k| {
+            let state = self.of_state[k];
+            let is_first = k == 0 || self.of_state[k - 1] != state;
+            nodes[first(state) + usize::from(!is_first)].clone()
+        });
         before.chain(nodes.last().cloned()).collect()
     }
 }
@@ -92,11 +116,15 @@ mod tests {
             state(&[left, right, held]),
             state(&[left, held]),
         ];
-        let still = in_place(&states, of_foot).expect("there are steps");
-        assert_eq!(still.states, [states[0].clone(), states[3].clone()]);
-        let nodes = [vec![0.0], vec![1.0], vec![2.0]];
-        let expected = [0.0, 0.0, 0.0, 1.0, 1.0, 2.0].map(|q| vec![q]);
-        assert_eq!(still.with_steps(&nodes), expected);
+        let all = in_place(&states, true, of_foot).expect("there are steps");
+        assert_eq!(all.states, [states[0].clone(), states[3].clone()]);
+        // What is in the air at the end is not where it was.
+        let still = in_place(&states, false, of_foot).expect("there are steps");
+        let [stands, _, _, holds, lifts] = states;
+        assert_eq!(still.states, [stands.clone(), holds.clone(), lifts.clone()]);
+        assert_eq!(still.with_middles(), [stands.clone(), stands, holds, lifts]);
+        let expected = [0, 1, 1, 2, 3, 4];
+        assert_eq!(still.with_steps(&[0, 1, 2, 3, 4]), expected);
     }
 
     #[test]
@@ -106,6 +134,6 @@ mod tests {
             state(&[(RIGHT, GROUND)]),
             state(&[(LEFT, BOX), (RIGHT, GROUND)]),
         ];
-        assert!(in_place(&states, of_foot).is_none());
+        assert!(in_place(&states, true, of_foot).is_none());
     }
 }

@@ -80,8 +80,9 @@ impl Checks<'_> {
             let pair = (interface(c.a).owner, interface(c.b).owner);
             matches!(pair, (Owner::Robot { .. }, Owner::Static(_)))
         };
-        let still = in_place(&states, stands)?;
-        let phases: Vec<Phase> = still.states.iter().map(|s| self.phase(s.clone())).collect();
+        let still = in_place(&states, false, stands)?;
+        let states = still.with_middles().into_iter();
+        let phases: Vec<Phase> = states.map(|state| self.phase(state)).collect();
         let nodes = self.nodes(&phases)?;
         Some(still.with_steps(&nodes))
     }

@@ -1,19 +1,19 @@
 //! The plan search: a policy proposes contact sequences, states, transitions and keyframes filter them, the trajectory
 //! optimiser judges, and the policy learns what they were worth.
 //!
-//! Up to [`IN_FLIGHT`] sequences are optimised at once by as many threads as there are; one at first, and one more after every
-//! result, since to find the next one may take longer than to optimise the first. Those to choose the next from are drawn
-//! meanwhile. Results are taken in the order in which the sequences were submitted, so that the run is the same however many
-//! threads there are and however long they take.
+//! Up to [`IN_FLIGHT`] sequences are optimised at once, two at first, and those to choose the next from are drawn meanwhile. Results
+//! are taken in the order of the work that was done on them ([`turns`]), so that a motion that is hard to find holds up nothing and
+//! the run is the same however many threads there are and however long they take.
 
 mod diverse;
 mod failures;
 mod proposals;
 mod results;
 mod reward;
+mod turns;
+mod under_way;
 mod workers;
 
-use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -33,10 +33,13 @@ use scene::{Owner, Scene};
 use symbolic::{
     BestFirst, Contact, Policy, Rollouts, SearchLimits, Sequence, SkeletonGraph, TreeSearch,
 };
-use workers::{Evaluated, Shop, Workers};
+use under_way::UnderWay;
+use workers::{Shop, Workers};
 
 /// Sequences that are under evaluation at once. Part of what decides which sequence comes next, hence no option.
 const IN_FLIGHT: usize = 4;
+/// The same before there are results.
+const FIRST: usize = 2;
 /// Largest share of the time limit that the search may use once there is a plan; the rest is for refining it.
 const SEARCH_SHARE: f64 = 0.7;
 /// Time that refining a plan is expected to take, in that of its motion and per interval: a fourth to one for the climb.
@@ -107,7 +110,7 @@ pub fn plan(
         journal,
     );
     thread::scope(|scope| {
-        let workers = Workers::start(scope, threads(request), shop);
+        let workers = Workers::start(scope, IN_FLIGHT, threads(request), shop);
         let mut run = Run {
             shop,
             request,
@@ -117,9 +120,10 @@ pub fn plan(
             observe,
             drawn: 0,
             drawn_before: 0,
+            submitted: 0,
             waiting: vec![],
-            under_way: VecDeque::new(),
-            results: BTreeMap::new(),
+            clock: 0,
+            under_way: UnderWay::default(),
             lost: false,
             rewards: Rewards::default(),
             failures: Failures::new(resting(scene)),
@@ -197,15 +201,16 @@ struct Run<'a> {
     checks: Checks<'a>,
     workers: Workers,
     observe: &'a mut dyn FnMut(&Event) -> bool,
-    /// Number of sequences drawn from the policy; when one was submitted last.
+    /// Number of sequences drawn from the policy; when one was submitted last; how many were submitted.
     drawn: usize,
     drawn_before: usize,
+    submitted: usize,
     /// Sequences that wait for their turn.
     waiting: Vec<(Candidate, Work)>,
-    /// Sequences whose motion is being optimised, in the order in which their results are taken.
-    under_way: VecDeque<Candidate>,
-    /// Results that came before their turn.
-    results: BTreeMap<usize, Box<Evaluated>>,
+    /// Work done until now as the search counts it ([`turns`]): that of the result taken last, or of the draws since.
+    clock: u64,
+    /// Sequences whose motion is being optimised, or was and whose result waits for its turn.
+    under_way: UnderWay,
     /// A worker panicked.
     lost: bool,
     rewards: Rewards,
@@ -228,7 +233,7 @@ impl Run<'_> {
             if let Some(reason) = self.is_over() {
                 return reason;
             }
-            let has_room = self.under_way.len() < IN_FLIGHT.min(1 + self.optimised());
+            let has_room = self.under_way.len() < IN_FLIGHT.min(FIRST + self.optimised() / 2);
             let has_choice = ended.is_some() || self.has_choice();
             if !has_choice && !self.is_last_there() {
                 if !self.draw() {
@@ -239,8 +244,8 @@ impl Run<'_> {
             if has_room && self.submit() {
                 continue;
             }
-            if let Some(number) = self.under_way.front().map(|next| next.number) {
-                self.take_next(number);
+            if !self.under_way.is_empty() {
+                self.take_next();
             } else if let Some(reason) = ended {
                 return reason;
             } else if !self.draw() {
@@ -254,9 +259,8 @@ impl Run<'_> {
         while let Ok(message) = self.workers.messages.try_recv() {
             self.receive(message);
         }
-        let next = self.under_way.front();
-        let result = next.and_then(|next| self.results.get(&next.number));
-        self.request.solutions == 1 && result.is_some_and(|done| done.plan.is_some())
+        let next = self.under_way.next();
+        self.request.solutions == 1 && next.is_some_and(|done| done.plan.is_some())
     }
 
     /// Why the search ends now, if it does.

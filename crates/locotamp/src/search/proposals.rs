@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use super::results::name;
 use super::workers::{Evaluated, Job, Start, with_steps};
-use super::{Run, reward};
+use super::{FIRST, Run, reward};
 use crate::api::{Attempt, Event, Reached};
 use crate::journal::{PointEntry, Tried};
 use crate::summary;
@@ -18,8 +18,10 @@ use symbolic::search::Rejected;
 const DIFFERENT_AT_END: usize = 2;
 /// Sequences drawn for each that is optimised.
 const DRAWS: usize = 4;
-/// The same for the first one: nothing else is under way yet, and everybody waits for a good plan.
+/// The same for the first [`super::FIRST`] together: nothing else is under way yet, and everybody waits for a good plan.
 const FIRST_DRAWS: usize = 8;
+/// Work that a draw counts as ([`super::turns`]): about what is done in the same time on one motion.
+const DRAWING: u64 = 2000;
 /// What a phase adds to the cost that keyframes promise: its time, at about half a second.
 const PHASE: f64 = 0.5;
 /// What the cost of keyframes counts for: a phase costs as much as sixteen of its nodes.
@@ -70,9 +72,11 @@ impl Run<'_> {
             return false;
         };
         let phases = self.phases(&candidate.sequence);
+        let (number, labels) = (candidate.number, candidate.sequence.labels.clone());
+        self.under_way.begin(candidate, self.clock);
         let job = match work {
             Work::Remembered(done) => {
-                self.results.insert(candidate.number, done);
+                self.under_way.done(number, *done);
                 None
             }
             Work::Move(nodes) => {
@@ -87,27 +91,32 @@ impl Run<'_> {
         };
         if let Some((phases, start)) = job {
             self.workers.submit(Job {
-                number: candidate.number,
-                labels: candidate.sequence.labels.clone(),
+                number,
+                clock: self.clock,
+                labels,
                 phases,
                 start,
             });
         }
-        self.under_way.push_back(candidate);
+        self.submitted += 1;
         self.drawn_before = self.drawn;
         true
     }
 
     /// True if so many sequences have been drawn since the last submission as are wanted for the next.
     pub fn has_choice(&self) -> bool {
-        let first = self.drawn_before == 0;
-        let draws = if first { FIRST_DRAWS } else { DRAWS };
+        let draws = match self.submitted {
+            0 => FIRST_DRAWS,
+            1..FIRST => 0,
+            _ => DRAWS,
+        };
         self.drawn >= self.drawn_before + draws
     }
 
     /// Draws the next sequence and checks it by keyframes, to wait for its turn if it passes; false if there is none.
     pub fn draw(&mut self) -> bool {
         self.drawn += 1;
+        self.clock += DRAWING;
         let number = self.drawn;
         let Some(sequence) = self.policy.next(&mut self.checks) else {
             return false;

@@ -1,4 +1,4 @@
-//! What becomes of optimised motions: taken in the order in which they were begun, told to policy and journal, kept if good.
+//! What becomes of optimised motions: taken in the order of the work done on them, told to policy and journal, kept if good.
 
 use std::sync::atomic::Ordering;
 
@@ -17,9 +17,9 @@ use symbolic::Sequence;
 const MOST_RELATIVES: usize = 16;
 
 impl Run<'_> {
-    /// Takes the result of the first sequence under way, `number`, when it comes, unless the search is over before.
-    pub fn take_next(&mut self, number: usize) {
-        while !self.results.contains_key(&number) {
+    /// Takes the next result when it is sure which one that is, unless the search is over before.
+    pub fn take_next(&mut self) {
+        while self.under_way.next().is_none() {
             match self.workers.messages.recv() {
                 Ok(message) => self.receive(message),
                 Err(_) => self.lost = true,
@@ -29,11 +29,11 @@ impl Run<'_> {
             }
         }
         // What was cut off by the end of the search says nothing.
-        if self.is_over().is_none() {
-            let (next, done) = (self.under_way.pop_front(), self.results.remove(&number));
-            if let (Some(next), Some(done)) = (next, done) {
-                self.take(next, *done);
-            }
+        if self.is_over().is_none()
+            && let Some((clock, candidate, done)) = self.under_way.take_next()
+        {
+            self.clock = self.clock.max(clock);
+            self.take(candidate, done);
         }
     }
 
@@ -46,21 +46,19 @@ impl Run<'_> {
         while let Ok(message) = self.workers.messages.try_recv() {
             self.receive(message);
         }
-        while let Some(next) = self.under_way.pop_front() {
-            let done = self.results.remove(&next.number);
-            if let Some(done) = done.filter(|done| done.plan.is_some()) {
-                self.take(next, *done);
-            }
+        for (candidate, done) in self.under_way.take_plans() {
+            self.take(candidate, done);
         }
     }
 
     /// Takes note of news from a worker.
     pub fn receive(&mut self, message: Message) {
         match message {
-            Message::Event(event) => self.tell(&event),
-            Message::Done(number, result) => {
-                self.results.insert(number, result);
+            Message::Worked(number, work, event) => {
+                self.under_way.worked(number, work);
+                self.tell(&event);
             }
+            Message::Done(number, result) => self.under_way.done(number, *result),
             Message::Lost => self.lost = true, // its panic comes up when the threads are joined
         }
     }
@@ -185,6 +183,7 @@ impl Run<'_> {
             failed_phase: motion.and_then(|m| m.worst_phase),
             violation: motion.map(|m| m.violation),
             iterations: attempt.iterations,
+            work: motion.map_or(0, |m| m.work),
             seconds: attempt.seconds,
             reward,
             visits: statistics.iter().map(|x| x.visits).collect(),

@@ -1,5 +1,6 @@
 //! Threads that optimise motions. Each job stands for itself, so that results do not depend on how many threads there are.
 
+use super::turns::Turns;
 use crate::api::Event;
 use crate::journal::{PointEntry, Tried};
 use crate::refine::{hold, may_hold, on_finer_grid};
@@ -16,6 +17,8 @@ use std::time::Instant;
 /// A sequence whose keyframes exist.
 pub(super) struct Job {
     pub number: usize,
+    /// Where its clock starts ([`Turns`]).
+    pub clock: u64,
     pub labels: Vec<String>,
     pub phases: Vec<Phase>,
     pub start: Start,
@@ -35,6 +38,8 @@ pub(super) struct Evaluated {
     pub cost: f64,
     pub violation: f64,
     pub iterations: usize,
+    /// Elements of the problem, summed over the iterations.
+    pub work: u64,
     pub seconds: f64,
     pub reason: Option<String>,
     /// Phase of the most violated row, from 0.
@@ -55,6 +60,7 @@ impl Evaluated {
             cost: known.cost.unwrap_or(f64::INFINITY),
             violation: known.violation.unwrap_or(f64::INFINITY),
             iterations: known.iterations,
+            work: known.work,
             seconds: known.seconds,
             reason: known.reason.clone(),
             worst_phase: known.failed_phase,
@@ -68,7 +74,8 @@ impl Evaluated {
 
 /// News from a worker.
 pub(super) enum Message {
-    Event(Event),
+    /// Work done so far on a motion, and what happened.
+    Worked(usize, u64, Event),
     Done(usize, Box<Evaluated>),
     /// A worker panicked.
     Lost,
@@ -103,24 +110,26 @@ pub(super) struct Shop<'a> {
 }
 
 impl Workers {
-    /// Starts threads that end when this value is dropped.
+    /// Starts threads, of which `places` work at the same time, that end when this value is dropped.
     pub fn start<'scope, 'a: 'scope>(
         scope: &'scope Scope<'scope, '_>,
         count: usize,
+        places: usize,
         shop: Shop<'a>,
     ) -> Self {
         let (jobs, inbox) = channel::<Job>();
         let (sender, messages) = channel();
         let inbox = Arc::new(Mutex::new(inbox));
+        let turns = Arc::new(Turns::new(places));
         for _ in 0..count {
-            let (inbox, sender) = (inbox.clone(), sender.clone());
+            let (inbox, turns, sender) = (inbox.clone(), turns.clone(), sender.clone());
             scope.spawn(move || {
                 let _alarm = Alarm(sender.clone());
                 loop {
                     let job = inbox.lock().ok().and_then(|inbox| inbox.recv().ok());
                     let Some(job) = job else { return };
                     let number = job.number;
-                    let done = shop.evaluate(job, &sender);
+                    let done = shop.evaluate(job, &turns, &sender);
                     if sender.send(Message::Done(number, Box::new(done))).is_err() {
                         return;
                     }
@@ -148,15 +157,20 @@ impl Drop for Alarm {
 }
 
 impl Shop<'_> {
-    fn evaluate(self, job: Job, sender: &Sender<Message>) -> Evaluated {
+    fn evaluate(self, job: Job, turns: &Turns, sender: &Sender<Message>) -> Evaluated {
+        let turn = turns.enter(job.number, job.clock);
+        let mut work = 0;
         let mut watch = |i: &Iteration| {
+            work += i.elements as u64;
             let event = Event::Iteration {
                 number: job.number,
                 iteration: i.number,
                 violation: i.violation,
                 objective: i.objective,
             };
-            let heard = sender.send(Message::Event(event)).is_ok();
+            let news = Message::Worked(job.number, work, event);
+            let heard = sender.send(news).is_ok();
+            turn.worked(i.elements as u64);
             let late = self.begin.elapsed().as_secs_f64() > self.time_limit;
             heard && !late && !self.stop.load(Ordering::SeqCst)
         };
@@ -179,6 +193,7 @@ impl Shop<'_> {
             motion = hold(planner, phases, settings, (&motion, refinement), &mut watch);
         }
         let mut done = self.report(&job.labels, &mut motion, relative);
+        done.work = work;
         if refinement.is_some() {
             done.reason = done.reason.as_deref().map(on_finer_grid);
         }
@@ -207,6 +222,7 @@ impl Shop<'_> {
             cost: motion.report.objective,
             violation: motion.report.violation,
             iterations: motion.iterations,
+            work: 0,
             seconds: motion.seconds,
             reason: summary::resistance(scene, motion),
             worst_phase: motion.worst.as_ref().map(|w| w.phase),

@@ -4,15 +4,18 @@ use std::sync::Arc;
 
 use super::goal::{BASE, goal_body};
 use super::{Builder, NodeCost};
+use crate::balance::Balance;
 use crate::objective::CostTerm;
 use crate::relative::{Body, Carrier, RelativeFrame};
 use crate::resting;
 use crate::settings::Preset;
 use crate::terms::{PoseTerm, approach::Approach, height::Height, tilt::Tilt};
+use multibody::WeightedPoint;
 use nalgebra::{UnitQuaternion, Vector3};
 use scene::{Objective, Role};
 use spatial::Pose;
 use std::f64::consts::PI;
+use symbolic::Contact;
 
 use super::{Grid, Phase};
 
@@ -24,6 +27,9 @@ const APPROACH: f64 = 200.0;
 /// Weights of the place of a carried object [1/m²] and of its tilt, beside a posture weight of 0.05 per rad².
 const CARRY: f64 = 20.0;
 const CARRY_UPRIGHT: f64 = 1.0;
+
+/// Weight of the centre of mass over the feet [1/m²].
+const BALANCE: f64 = 2.0;
 
 impl Builder<'_> {
     /// Posture and tilt costs of every free node, and the objective.
@@ -139,6 +145,72 @@ impl Builder<'_> {
                 }
             }
         }
+    }
+
+    /// In keyframes, robot and what it carries stand over the feet that stay where they are.
+    pub(super) fn balanced(&mut self, phases: &[Phase]) {
+        let keyframes = matches!(self.program.grid, Grid::Keyframes | Grid::OpenKeyframes);
+        if !keyframes || self.program.settings.preset == Preset::Paper {
+            return;
+        }
+        let Some(up) = (-self.scene.gravity).try_normalize(0.0) else {
+            return;
+        };
+        for t in 1..=phases.len() {
+            let around = &phases[t - 1..phases.len().min(t + 1)];
+            let points = self.imbalance(around);
+            if !points.is_empty() && self.program.nodes[t].var.is_some() {
+                self.program.nodes[t].balance = Some(Balance {
+                    weight: BALANCE,
+                    up,
+                    points,
+                });
+            }
+        }
+    }
+
+    /// Centre of mass of the robot and of the objects in the air, less the middle of the feet that have contact in all of some
+    /// phases; empty if none has.
+    fn imbalance(&self, phases: &[Phase]) -> Vec<WeightedPoint> {
+        let (scene, system) = (self.scene, &self.program.system);
+        let (first, rest) = (&phases[0], &phases[1..]);
+        let stays = |c: &Contact| {
+            let foot = scene.interfaces[c.a.0].role == Role::Foot;
+            foot && rest.iter().all(|phase| phase.state.contains(c))
+        };
+        let feet: Vec<Contact> = first.state.iter().filter(stays).collect();
+        let rests = |o: usize| {
+            phases
+                .iter()
+                .any(|p| resting::support(scene, o, p).is_some())
+        };
+        let carried = (0..scene.objects.len()).filter(|&o| !rests(o));
+        let carried = carried.map(|o| system.object_joint(o));
+        let joints: Vec<usize> = (0..system.n_robot_joints).chain(carried).collect();
+        let inertia = |joint: usize| &system.model.joints[joint].inertia;
+        let mass: f64 = joints.iter().map(|&joint| inertia(joint).mass).sum();
+        let mut points: Vec<WeightedPoint> = vec![];
+        for contact in &feet {
+            let interface = &scene.interfaces[contact.a.0];
+            let carrier = system.carrier(interface.owner, &interface.body_from_interface);
+            let Body::Joint(joint) = carrier.body else {
+                continue;
+            };
+            points.push(WeightedPoint {
+                joint,
+                in_joint: carrier.body_from_frame.origin(),
+                weight: -1.0 / feet.len() as f64,
+            });
+        }
+        if points.is_empty() {
+            return points;
+        }
+        points.extend(joints.iter().map(|&joint| WeightedPoint {
+            joint,
+            in_joint: inertia(joint).com,
+            weight: inertia(joint).mass / mass,
+        }));
+        points
     }
 
     /// In a path, what makes or breaks contact with the next or last phase keeps off along the contact's normal.

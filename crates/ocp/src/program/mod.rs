@@ -193,6 +193,7 @@ impl Program {
         }
         builder.approaches(phases);
         builder.carried(phases);
+        builder.balanced(phases);
         builder.goal();
         builder.clearances(collisions, phases, clearances);
         builder.layout();

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::balance::Balance;
 use crate::objective::CostTerm;
 use crate::terms::PoseTerm;
 
@@ -50,6 +51,8 @@ pub struct Node {
     pub posture: f64,
     /// As what that counts.
     pub posture_kind: CostTerm,
+    /// In keyframes: what is to be balanced on what.
+    pub balance: Option<Balance>,
 }
 
 impl Node {

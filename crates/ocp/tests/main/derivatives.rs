@@ -216,7 +216,10 @@ fn torque_at_speed_has_rows_unless_torque_limits_are_lifted_or_the_problem_is_th
 #[test]
 fn the_keyframe_program_matches_central_differences() {
     for seed in 0..4 {
-        check(seed, Grid::Keyframes, Preset::Default);
+        let (trajectory, point) = program(seed, Grid::Keyframes, Preset::Default);
+        let mut nodes = trajectory.program.nodes.iter();
+        assert!(nodes.any(|node| node.balance.is_some()));
+        check_program(seed, (trajectory, point));
         check(seed, Grid::State, Preset::Default);
     }
 }

@@ -1,5 +1,6 @@
 //! Keyframe checks and warm starts on sequences of the repository.
 
+use multibody::{CenterOfMass, Kinematics};
 use ocp::{Phase, Planner, Preset, Settings};
 use scene::{Scene, SequenceFile};
 use spatial::Pose;
@@ -149,4 +150,31 @@ fn a_beginning_starts_the_longer_sequence_and_a_stranger_starts_nothing() {
     let stranger = &phases[1..];
     let none = planner.motion_from(stranger, &settings, &relative, &mut |_| true);
     assert!(none.is_none(), "not one phase is shared");
+}
+
+#[test]
+fn keyframes_shift_the_weight_to_the_foot_that_stays() {
+    let (scene, phases, settings) = sequence("flat/one_leg.toml");
+    let planner = Planner::new(&scene).expect("a model");
+    let keyframes = planner.keyframes(&phases, &settings);
+    let on_one_foot = phases
+        .iter()
+        .position(|phase| phase.state.contacts.len() == 1)
+        .expect("it stands on one leg");
+    let contact = phases[on_one_foot].state.iter().next().expect("a foot");
+    let foot = &scene.interfaces[contact.a.0];
+    let robot = &planner.system.robot;
+    let away = |q: &[f64]| {
+        let mut kinematics = Kinematics::new(&planner.system.model);
+        kinematics.update(&planner.system.model, q);
+        let place = planner.system.world_from_interface(foot, &kinematics);
+        let com = CenterOfMass::new(robot).compute(robot, &kinematics).0;
+        (com - place.origin()).xy().norm()
+    };
+    let (before, after) = (
+        away(&keyframes.nodes[0]),
+        away(&keyframes.nodes[on_one_foot + 1]),
+    );
+    assert!(before > 0.1, "the start stands on both: {before}");
+    assert!(after < 0.05, "{after}");
 }

@@ -129,7 +129,10 @@ impl<P: Problem> InteriorPoint<P> {
         let mut acceptable = Acceptable::new(options);
         let mut trial_x = x.clone();
         let mut best = Best::new(x, state.multipliers());
-        let mut line = Iteration::default();
+        let mut line = Iteration {
+            elements: self.structure.elements.len(),
+            ..Iteration::default()
+        };
         let mut errors;
         let status = loop {
             self.linearise(problem, x, &state.y);

@@ -36,7 +36,7 @@ fn without_steps(graph: &SkeletonGraph, path: &[StateId]) -> Vec<ContactState> {
     let mut states: Vec<ContactState> = path.iter().map(|&id| graph.state(id).clone()).collect();
     let last = states.pop();
     let of_foot = |c: &Contact| graph.domain().is_effector(c.a, Role::Foot);
-    let mut still = in_place(&states, of_foot).map_or(states, |still| still.states);
+    let mut still = in_place(&states, true, of_foot).map_or(states, |still| still.states);
     still.extend(last);
     still
 }

@@ -1,0 +1,159 @@
+//! Which of the motions under way is optimised next where there are more of them than threads: the one with the least clock.
+//!
+//! The clock of a motion is that of the search at its submission, plus the work done on it: elements of its problem, summed over
+//! iterations. It is the same on every machine, and results are taken in its order ([`super::Run::take_next`]); the least advanced
+//! motion is the one that everything else waits for.
+
+use std::collections::BTreeMap;
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+
+/// Places for as many motions as may be optimised at the same time.
+pub(super) struct Turns {
+    state: Mutex<State>,
+    changed: Condvar,
+}
+
+struct State {
+    free: usize,
+    /// By number of the sequence: its clock, and whether it has a place.
+    jobs: BTreeMap<usize, (u64, bool)>,
+}
+
+impl State {
+    /// The one without a place that is least advanced.
+    fn next(&self) -> Option<(u64, usize)> {
+        let waiting = self.jobs.iter().filter(|(_, (_, runs))| !runs);
+        waiting.map(|(&number, &(clock, _))| (clock, number)).min()
+    }
+}
+
+/// A place of one motion, given back when it is dropped.
+pub(super) struct Turn<'a> {
+    turns: &'a Turns,
+    number: usize,
+}
+
+impl Turns {
+    /// For `places` motions at the same time.
+    pub fn new(places: usize) -> Self {
+        let state = State {
+            free: places,
+            jobs: BTreeMap::new(),
+        };
+        Self {
+            state: Mutex::new(state),
+            changed: Condvar::new(),
+        }
+    }
+
+    /// Waits for a place for sequence `number`, whose clock stands at `clock`.
+    pub fn enter(&self, number: usize, clock: u64) -> Turn<'_> {
+        let mut state = self.lock();
+        state.jobs.insert(number, (clock, false));
+        self.wait(state, number);
+        Turn {
+            turns: self,
+            number,
+        }
+    }
+
+    fn wait(&self, mut state: MutexGuard<'_, State>, number: usize) {
+        while state.free == 0 || state.next().is_none_or(|(_, next)| next != number) {
+            state = self
+                .changed
+                .wait(state)
+                .unwrap_or_else(PoisonError::into_inner);
+        }
+        state.free -= 1;
+        if let Some((_, runs)) = state.jobs.get_mut(&number) {
+            *runs = true;
+        }
+        drop(state);
+        self.changed.notify_all(); // there may be another free place
+    }
+
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Turn<'_> {
+    /// Counts work, and leaves the place to a motion that is less advanced, if one waits, until it is this one's turn again.
+    pub fn worked(&self, work: u64) {
+        let mut state = self.turns.lock();
+        let mut now = 0;
+        if let Some((clock, _)) = state.jobs.get_mut(&self.number) {
+            *clock += work;
+            now = *clock;
+        }
+        if state.next().is_some_and(|(clock, _)| clock < now) {
+            state.free += 1;
+            if let Some((_, runs)) = state.jobs.get_mut(&self.number) {
+                *runs = false;
+            }
+            self.turns.changed.notify_all();
+            self.turns.wait(state, self.number);
+        }
+    }
+}
+
+impl Drop for Turn<'_> {
+    fn drop(&mut self) {
+        let mut state = self.turns.lock();
+        state.jobs.remove(&self.number);
+        state.free += 1;
+        drop(state);
+        self.turns.changed.notify_all();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::mpsc::channel;
+    use std::thread;
+
+    #[test]
+    fn one_place_is_shared_so_that_all_advance_alike() {
+        let turns = Turns::new(1);
+        let (sender, receiver) = channel();
+        let blocked = turns.enter(0, 0);
+        thread::scope(|scope| {
+            for (number, work) in [(1, 30), (2, 10), (3, 20)] {
+                let (turns, sender) = (&turns, sender.clone());
+                scope.spawn(move || {
+                    let turn = turns.enter(number, 0);
+                    for step in 1..=4 {
+                        sender.send((work * (step - 1), number)).expect("sent");
+                        turn.worked(work);
+                    }
+                });
+            }
+            // All three wait before the first begins.
+            while turns.lock().jobs.len() < 4 {
+                thread::yield_now();
+            }
+            drop(blocked);
+        });
+        drop(sender);
+        let order: Vec<(u64, usize)> = receiver.into_iter().collect();
+        let clocks: Vec<u64> = order.iter().map(|&(clock, _)| clock).collect();
+        assert_eq!(order.len(), 12);
+        assert!(clocks.is_sorted(), "the least advanced goes on: {order:?}");
+    }
+
+    #[test]
+    fn a_place_is_given_back_by_a_motion_that_ends_early() {
+        let turns = Turns::new(1);
+        let ended = thread::scope(|scope| {
+            let broken = scope.spawn(|| {
+                let _turn = turns.enter(1, 0);
+                panic!("in the middle of a motion");
+            });
+            broken.join().is_err()
+        });
+        assert!(ended);
+        turns.enter(2, 5).worked(1);
+        assert_eq!(turns.lock().free, 1);
+    }
+}
