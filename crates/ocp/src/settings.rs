@@ -66,6 +66,8 @@ pub struct Weights {
     pub penalty: f64,
     /// Distance along the direction of the objective at the end: height of the base, reach of a body [1/m].
     pub height: f64,
+    /// Distance of the centre of mass from the middle of the feet in keyframes [1/m²].
+    pub balance: f64,
 }
 
 impl Default for Weights {
@@ -83,6 +85,7 @@ impl Default for Weights {
             time: 1.0,
             penalty: 1.0,
             height: 50.0,
+            balance: 0.0,
         }
     }
 }

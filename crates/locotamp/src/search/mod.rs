@@ -40,6 +40,9 @@ use workers::{Shop, Workers};
 const IN_FLIGHT: usize = 4;
 /// The same before there are results.
 const FIRST: usize = 2;
+/// Weight of the centre of mass over the feet in keyframes [1/m²]: it ranks sequences, and leads fewer beginnings into local
+/// minima (benches/runs/2026-11-22-balance.md).
+const BALANCE: f64 = 2.0;
 /// Largest share of the time limit that the search may use once there is a plan; the rest is for refining it.
 const SEARCH_SHARE: f64 = 0.7;
 /// Time that refining a plan is expected to take, in that of its motion and per interval: a fourth to one for the climb.
@@ -72,7 +75,10 @@ pub fn plan(
     };
     let contacts = graph.domain().contacts().len();
     let policy = policy(scene, request, graph, &limits);
-    let settings = settings(scene, request)?;
+    let mut settings = settings(scene, request)?;
+    if request.preset == Preset::Default {
+        settings.weights.balance = BALANCE;
+    }
     let journal = match &request.journal {
         Some(path) => {
             let content = format!("{scene:?} {settings:?}");

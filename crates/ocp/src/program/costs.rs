@@ -28,9 +28,6 @@ const APPROACH: f64 = 200.0;
 const CARRY: f64 = 20.0;
 const CARRY_UPRIGHT: f64 = 1.0;
 
-/// Weight of the centre of mass over the feet [1/m²].
-const BALANCE: f64 = 2.0;
-
 impl Builder<'_> {
     /// Posture and tilt costs of every free node, and the objective.
     pub(super) fn costs(&mut self) {
@@ -150,7 +147,8 @@ impl Builder<'_> {
     /// In keyframes, robot and what it carries stand over the feet that stay where they are.
     pub(super) fn balanced(&mut self, phases: &[Phase]) {
         let keyframes = matches!(self.program.grid, Grid::Keyframes | Grid::OpenKeyframes);
-        if !keyframes || self.program.settings.preset == Preset::Paper {
+        let weight = self.program.settings.weights.balance;
+        if !keyframes || weight <= 0.0 {
             return;
         }
         let Some(up) = (-self.scene.gravity).try_normalize(0.0) else {
@@ -160,11 +158,7 @@ impl Builder<'_> {
             let around = &phases[t - 1..phases.len().min(t + 1)];
             let points = self.imbalance(around);
             if !points.is_empty() && self.program.nodes[t].var.is_some() {
-                self.program.nodes[t].balance = Some(Balance {
-                    weight: BALANCE,
-                    up,
-                    points,
-                });
+                self.program.nodes[t].balance = Some(Balance { weight, up, points });
             }
         }
     }

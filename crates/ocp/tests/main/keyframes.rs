@@ -154,7 +154,8 @@ fn a_beginning_starts_the_longer_sequence_and_a_stranger_starts_nothing() {
 
 #[test]
 fn keyframes_shift_the_weight_to_the_foot_that_stays() {
-    let (scene, phases, settings) = sequence("flat/one_leg.toml");
+    let (scene, phases, mut settings) = sequence("flat/one_leg.toml");
+    settings.weights.balance = 2.0;
     let planner = Planner::new(&scene).expect("a model");
     let keyframes = planner.keyframes(&phases, &settings);
     let on_one_foot = phases

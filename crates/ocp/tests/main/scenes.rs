@@ -252,10 +252,11 @@ pub fn program_with(
             ],
         ),
     ];
-    let settings = Settings {
+    let mut settings = Settings {
         integrator,
         ..Settings::new(preset, &scene.optimiser)
     };
+    settings.weights.balance = 2.0;
     let mut random = Random::new(seed + 5);
     let n: usize = match grid {
         Grid::Motion | Grid::Path => 8,
