@@ -202,7 +202,7 @@ impl Progress {
         let waiting = self.drawn.saturating_sub(counts.tried);
         let waiting = match waiting {
             0 => String::new(),
-            _ => format!(", {waiting} under way"),
+            _ => format!(", {waiting} more drawn"),
         };
         let plans = match (self.first_after, self.best) {
             (Some(first), Some((cost, number))) => format!(
@@ -253,7 +253,7 @@ mod tests {
         });
         let line = progress.line();
         assert!(
-            line.starts_with("2 sequences tried (2 without keyframes), 1 under way | "),
+            line.starts_with("2 sequences tried (2 without keyframes), 1 more drawn | "),
             "{line}"
         );
         assert!(
