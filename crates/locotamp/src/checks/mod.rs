@@ -418,6 +418,14 @@ mod tests {
             let states = [&standing, &swing, &standing, held, lifted, placed];
             assert_eq!(checks.prefix(&states), Verdict::Accept, "{foot:?}");
         }
+        // A step with the crate in the hands, which must be in the air meanwhile.
+        let [left, right] = feet;
+        let swing = with(&[&[right], &on_floor]);
+        let carrying = with(&[&[left], &hands]);
+        let states = [
+            &standing, &swing, &standing, held, lifted, &carrying, lifted, placed,
+        ];
+        assert_eq!(checks.prefix(&states), Verdict::Accept);
     }
 
     #[test]

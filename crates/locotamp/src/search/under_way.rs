@@ -60,8 +60,9 @@ impl UnderWay {
 
     /// Takes it, with its clock.
     pub fn take_next(&mut self) -> Option<(u64, Candidate, Evaluated)> {
-        let next = self.next_entry().filter(|entry| entry.result.is_some())?;
-        let entry = self.0.remove(&next.candidate.number.clone())?;
+        self.next()?;
+        let number = self.next_entry()?.candidate.number;
+        let entry = self.0.remove(&number)?;
         Some((entry.begin + entry.work, entry.candidate, entry.result?))
     }
 
