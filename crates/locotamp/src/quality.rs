@@ -328,7 +328,7 @@ fn margins(scene: &Scene, motion: &Motion, series: &Series) -> Vec<Margin> {
         reached,
     };
     let clearance = |robot_only: bool, demanded: f64| clearance(motion, robot_only, demanded);
-    vec![
+    let mut margins = vec![
         share("friction", wanted.friction, friction),
         share("pressure", wanted.pressure, pressure),
         share(
@@ -356,7 +356,11 @@ fn margins(scene: &Scene, motion: &Motion, series: &Series) -> Vec<Margin> {
             clearance(true, wanted.self_clearance),
         ),
         distance("swing", "m", wanted.swing, clearance(false, wanted.swing)),
-    ]
+    ];
+    if wanted.landing.is_finite() {
+        margins.push(distance("landing", "m/s", wanted.landing, landing(motion)));
+    }
+    margins
 }
 
 /// Smallest clearance among the rows that demand the whole margin: between links of the robot, or with anything else.
@@ -373,6 +377,18 @@ fn clearance(motion: &Motion, robot_only: bool, demanded: f64) -> Option<f64> {
             other.is_some_and(|j| j < n_robot) == robot_only && **lower >= demanded - 1e-9
         })
         .map(|(_, (_, value))| *value),
+    )
+}
+
+/// Largest speed beside the contacts that begin or end, less what the time from them adds; the speed at the contact that
+/// bounds it.
+fn landing(motion: &Motion) -> Option<f64> {
+    let program = &motion.trajectory.program;
+    let upper = program.structure.elements.iter().flat_map(|e| &e.row_upper);
+    let rows = program.labels.iter().zip(upper.zip(&motion.report.rows));
+    let speeds = rows.filter(|(label, _)| label.category == "landing speed" && label.unit == "m/s");
+    largest(
+        speeds.map(|(_, (limit, value))| value.abs() - limit + program.settings.margins.landing),
     )
 }
 

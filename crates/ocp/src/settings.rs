@@ -111,6 +111,8 @@ pub struct Margins {
     pub self_clearance: f64,
     /// Height of a foot between its contacts [m].
     pub swing: f64,
+    /// Speed with which contacts begin and end on grids with velocities [m/s].
+    pub landing: f64,
     /// Sixteenths of a phase in which a contact that bears the robot or an object takes up its load after a change, and gives
     /// it away before one; 0: at once.
     pub ramp: f64,
@@ -132,6 +134,7 @@ impl Margins {
             clearance: 0.02,
             self_clearance: 0.015,
             swing: 0.03,
+            landing: 0.02,
             ramp: 3.0,
             bounds: 0.005,
         }
@@ -149,6 +152,7 @@ impl Margins {
             clearance: 0.0,
             self_clearance: 0.0,
             swing: 0.0,
+            landing: f64::INFINITY,
             ramp: 0.0,
             bounds: 0.0,
         }

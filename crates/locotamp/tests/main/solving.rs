@@ -68,3 +68,61 @@ fn the_costs_of_a_solved_sequence_by_interval_and_term_add_up_to_its_cost() {
         assert_eq!(rates, request.refinement.is_some());
     }
 }
+
+/// Height above the place where it lands below which a foot is nearly down, and how far from there it may be then [m].
+const LOW: f64 = 0.01;
+const BESIDE: f64 = 0.012;
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "slow without optimisation")]
+fn a_refined_foot_comes_down_straight() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/sequences");
+    let file = SequenceFile::load(folder.join("flat/forward_2.toml")).expect("a file");
+    let scene = file.load_scene().expect("its scene");
+    let sequence = file.resolve(&scene).expect("a sequence of the scene");
+    let request = Request::default();
+    let solved = solve(&scene, &sequence, &request, &mut |_| true).expect("a planning problem");
+    assert!(solved.feasible, "{:?}", solved.reason);
+    let found = solved.best.expect("a plan");
+    let plan = found.plan;
+    let system = ocp::System::new(&scene).expect("a system");
+    let mut kinematics = multibody::Kinematics::new(&system.model);
+    let mut landings = 0;
+    for foot in scene
+        .interfaces
+        .iter()
+        .filter(|i| i.role == scene::Role::Foot)
+    {
+        let carrier = system.carrier(foot.owner, &foot.body_from_interface);
+        let places = plan.q.iter().map(|q| {
+            kinematics.update(&system.model, q);
+            carrier.world_from_frame(&kinematics).origin()
+        });
+        let places: Vec<_> = places.collect();
+        let first = |k: usize| plan.phases[..k].iter().map(|p| p.steps).sum::<usize>();
+        let touches = |k: usize| {
+            let contacts = &plan.phases[k].contacts;
+            contacts.iter().any(|contact| contact.a == foot.name)
+        };
+        let comes = |&k: &usize| touches(k) && !touches(k - 1);
+        for k in (1..plan.phases.len()).filter(comes) {
+            let landing = places[first(k)];
+            let swing = &places[first(k - 1)..first(k)];
+            let way = (swing[0] - landing).norm();
+            let low = swing.iter().rev().take_while(|at| at.z - landing.z < LOW);
+            let beside = |at: &nalgebra::Vector3<f64>| (at - landing).xy().norm();
+            let farthest = low.map(beside).fold(0.0, f64::max);
+            assert!(farthest < BESIDE.min(0.5 * way), "{farthest} of {way} m");
+            landings += 1;
+        }
+    }
+    assert_eq!(landings, 2, "two steps");
+    let landing = found
+        .quality
+        .margins
+        .iter()
+        .find(|m| m.name == "landing")
+        .expect("a margin");
+    let reached = landing.reached.expect("contacts that begin");
+    assert!(reached < landing.demanded + 1e-4, "{reached} m/s");
+}

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::shared::Shared;
 use super::{Ball, Clearances, CollisionModel, ExtraClearance, Other, Primitive, SelfPair, Touch};
-use crate::program::{Grid, Phase, Program};
+use crate::program::{Grid, Phase, Program, landing};
 use crate::settings::Preset;
 use crate::terms::PoseTerm;
 use crate::terms::distance::{Distance, EVENNESS, Obstacle, Part};
@@ -275,13 +275,14 @@ impl CollisionModel {
             .into_iter()
             .chain(beside)
             .min_by(|x, y| x.parts.total_cmp(&y.parts));
+        let rise = |parts: f64| landing::rise(program, at.node, parts).unwrap_or(RAMP.1 * parts);
         let there = |node: usize| self.distance_at(a, primitive, &at.kinematics[node]) + RAMP.0;
         let mut demanded = full;
         if let Some(since) = nearest {
-            demanded = full.min(there(since.node).min(MOST_AT_CONTACT) + RAMP.1 * since.parts);
+            demanded = full.min(there(since.node).min(MOST_AT_CONTACT) + rise(since.parts));
         }
         if at.from_start[a] < FROM_START {
-            demanded = demanded.min(there(0) + RAMP.1 * at.from_start[a].max(0.0));
+            demanded = demanded.min(there(0) + rise(at.from_start[a].max(0.0)));
         }
         demanded
     }

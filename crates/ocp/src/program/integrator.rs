@@ -40,17 +40,30 @@ impl Builder<'_> {
 
     /// The relative velocity of a contact that comes into being at node `t` is zero there (formulation 2.19: no impact).
     pub(super) fn touch_rows(&mut self, t: usize, contact: Contact, frame: usize) {
+        self.velocity_rows(t, contact, frame, "contact velocity", [0.0; 3]);
+    }
+
+    /// Relative twist of a contact's interfaces at node `t`, of points the velocity only: every component is at most as
+    /// large as said: velocities along the surface and along the normal [m/s], angular velocities [rad/s].
+    pub(super) fn velocity_rows(
+        &mut self,
+        t: usize,
+        contact: Contact,
+        frame: usize,
+        category: &'static str,
+        limits: [f64; 3],
+    ) {
+        let n_rows = if contact.kind.is_patch() { 6 } else { 3 };
         let p = &mut self.program;
         let slot = p.nodes[t].slot(frame);
-        let n_rows = if contact.kind.is_patch() { 6 } else { 3 };
         let element = &mut p.structure.elements[t];
         let (first_row, block) = (element.n_rows(), element.blocks.len());
         for r in 0..n_rows {
-            element.row_lower.push(0.0);
-            element.row_upper.push(0.0);
+            let limit = limits[[0, 0, 1, 2, 2, 2][r]];
             let unit = if r < 3 { "m/s" } else { "rad/s" };
-            let subject = Subject::Contact(contact);
-            self.labels[t].push(label("contact velocity", subject, 1.0, unit));
+            element.row_lower.push(-limit);
+            element.row_upper.push(limit);
+            self.labels[t].push(label(category, Subject::Contact(contact), 1.0, unit));
         }
         element.blocks.push(BlockStructure {
             first_row,

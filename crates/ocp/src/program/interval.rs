@@ -43,7 +43,8 @@ pub struct IntegratorRows {
     pub first_block: usize,
 }
 
-/// Rest of a new contact at the node where it comes into being.
+/// Twist of the interfaces of a contact relative to one another, in axes of the first: zero at the node where the contact
+/// comes into being, bounded shortly before and after.
 #[derive(Debug, Clone)]
 pub struct Touch {
     /// Position in the frames of node t.

@@ -18,6 +18,7 @@ mod goal;
 pub(crate) mod integrator;
 mod interval;
 mod label;
+pub(crate) mod landing;
 mod layout;
 mod node;
 mod rows;
@@ -191,6 +192,7 @@ impl Program {
             builder.contact_geometry(t, phases);
             builder.forces(t, phases);
         }
+        builder.landings(phases);
         builder.approaches(phases);
         builder.carried(phases);
         builder.balanced(phases);

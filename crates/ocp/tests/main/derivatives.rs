@@ -156,6 +156,7 @@ fn programs_with_velocities_as_unknowns_match_central_differences() {
             let labels = &program.0.program.labels;
             assert!(labels.iter().any(|l| l.category == "integrator"));
             assert!(labels.iter().any(|l| l.category == "contact velocity"));
+            assert!(labels.iter().any(|l| l.category == "landing speed"));
             assert!(labels.iter().any(|l| l.category == "torque at speed"));
             check_program(seed, program);
         }

@@ -1,0 +1,96 @@
+//! Landing and lifting off: what lands comes down straight and slowly, what leaves goes up so.
+//!
+//! With v, ω the twist of `a` relative to `b` in axes of `a`, z its normal, at a node that is time τ ≤ τ_1 away from the
+//! contact: |v_z| ≤ v_0 + a_0 τ, |v_x|, |v_y| ≤ v_0 + a_0 τ / r, |ω_i| ≤ (v_0 + a_0 τ / r)/l. Distances demanded beside
+//! contacts grow with ½ a_0 τ² / s meanwhile.
+//! Short phases get by with τ_1 and a_0 of their own.
+//!
+//! Source: ours. A foot that comes to rest within a few hundredths of a second reaches the ground late or early under any
+//! controller, and along the ground is stopped by it before its time: the robot stumbles
+//! (benches/runs/2026-11-22-landing.md).
+
+use super::{Builder, PARTS, Phase, Program};
+use scene::{Owner, Role};
+use symbolic::Contact;
+
+/// Growth of the speed with the time from the contact, a_0 [m/s²], and the same times the square of a phase's duration
+/// [m], whichever is more.
+const GROWTH: f64 = 1.5;
+const OF_SHORT: f64 = 1.5;
+/// Share of it along the surface, 1/r, and for distances, 1/s.
+const ALONG: f64 = 0.4;
+const RISE: f64 = 2.0 / 3.0;
+/// Longest time from the contact, τ_1 [s], and the same as a share of the phase.
+const BESIDE: f64 = 0.2;
+const SHARE: f64 = 0.25;
+/// Lever of the angular velocity, l [m].
+const LEVER: f64 = 0.2;
+
+/// Growth of the speed in a phase of so many intervals [m/s²].
+fn growth(program: &Program, steps: usize) -> f64 {
+    let duration = program.settings.max_step * steps as f64;
+    GROWTH.max(OF_SHORT / duration.powi(2))
+}
+
+/// Distance that may be demanded at a node, so many sixteenths of a phase away from a contact [m]; `None` where nothing
+/// bounds the speed there.
+pub(crate) fn rise(program: &Program, node: usize, parts: f64) -> Option<f64> {
+    if !program.has_velocities() || program.settings.margins.landing.is_infinite() {
+        return None;
+    }
+    let interval = node.min(program.n_intervals() - 1);
+    let steps = program.steps[program.phase_of(interval)];
+    let time = program.settings.max_step * steps as f64 * parts / PARTS;
+    Some(0.5 * RISE * growth(program, steps) * time.powi(2))
+}
+
+impl Builder<'_> {
+    /// Speeds beside the contacts that begin or end with a phase, where velocities are unknowns. Not while nothing of the
+    /// robot touches anything: in flight its feet move as it does.
+    pub(super) fn landings(&mut self, phases: &[Phase]) {
+        let speed = self.program.settings.margins.landing;
+        if !self.program.has_velocities() || speed.is_infinite() {
+            return;
+        }
+        let dt = self.program.settings.max_step;
+        let mut first = 0;
+        for (k, phase) in phases.iter().enumerate() {
+            let end = first + phase.steps;
+            let growth = growth(&self.program, phase.steps);
+            let share = (SHARE * phase.steps as f64).ceil() as usize;
+            let within = ((BESIDE / dt) as usize).min(share).min(phase.steps - 1);
+            let stands = phase.state.iter().any(|c| self.bears(c));
+            let neighbours = [
+                (k.checked_sub(1), first, 1),
+                ((k + 1 < phases.len()).then_some(k + 1), end, -1),
+            ];
+            for (neighbour, contact_node, direction) in neighbours {
+                let Some(neighbour) = neighbour.filter(|_| stands) else {
+                    continue;
+                };
+                let apart = phases[neighbour].state.contacts.iter();
+                for &contact in apart.filter(|c| !phase.state.contains(c)) {
+                    let frame = self.contact_frame(contact);
+                    for nodes in 1..=within {
+                        let t = contact_node.saturating_add_signed(direction * nodes as isize);
+                        if self.program.nodes[t].velocity_var.is_none() {
+                            continue;
+                        }
+                        let more = growth * dt * nodes as f64;
+                        let along = speed + ALONG * more;
+                        let limits = [along, speed + more, along / LEVER];
+                        self.velocity_rows(t, contact, frame, "landing speed", limits);
+                    }
+                }
+            }
+            first = end;
+        }
+    }
+
+    /// Does a contact bear the robot: a foot on anything, or another end-effector on something fixed.
+    fn bears(&self, contact: Contact) -> bool {
+        let [a, b] = [contact.a, contact.b].map(|i| &self.scene.interfaces[i.0]);
+        let robot = matches!(a.owner, Owner::Robot { .. });
+        robot && (a.role == Role::Foot || matches!(b.owner, Owner::Static(_)))
+    }
+}
