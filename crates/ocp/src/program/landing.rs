@@ -1,9 +1,8 @@
 //! Landing and lifting off: what lands comes down straight and slowly, what leaves goes up so.
 //!
 //! With v, ω the twist of `a` relative to `b` in axes of `a`, z its normal, at a node that is time τ ≤ τ_1 away from the
-//! contact: |v_z| ≤ v_0 + a_0 τ, |v_x|, |v_y| ≤ v_0 + a_0 τ / r, |ω_i| ≤ (v_0 + a_0 τ / r)/l. Distances demanded beside
-//! contacts grow with ½ a_0 τ² / s meanwhile.
-//! Short phases get by with τ_1 and a_0 of their own.
+//! contact: |v_z| ≤ v_0 + a_0 τ, |v_x|, |v_y| ≤ v_0 + r a_0 τ, |ω_i| ≤ (v_0 + r a_0 τ)/l. Distances demanded beside
+//! contacts grow with ½ s a_0 τ² meanwhile. Short phases have τ_1 and a_0 of their own.
 //!
 //! Source: ours. A foot that comes to rest within a few hundredths of a second reaches the ground late or early under any
 //! controller, and along the ground is stopped by it before its time: the robot stumbles
@@ -17,7 +16,7 @@ use symbolic::Contact;
 /// [m], whichever is more.
 const GROWTH: f64 = 1.5;
 const OF_SHORT: f64 = 1.5;
-/// Share of it along the surface, 1/r, and for distances, 1/s.
+/// Shares of it along the surface, r, and for distances, s.
 const ALONG: f64 = 0.4;
 const RISE: f64 = 2.0 / 3.0;
 /// Longest time from the contact, τ_1 [s], and the same as a share of the phase.
