@@ -60,10 +60,10 @@ impl Builder<'_> {
             let within = ((BESIDE / dt) as usize).min(share).min(phase.steps - 1);
             let stands = phase.state.iter().any(|c| self.bears(c));
             let neighbours = [
-                (k.checked_sub(1), first, 1),
-                ((k + 1 < phases.len()).then_some(k + 1), end, -1),
+                (k.checked_sub(1), false),
+                ((k + 1 < phases.len()).then_some(k + 1), true),
             ];
-            for (neighbour, contact_node, direction) in neighbours {
+            for (neighbour, lands) in neighbours {
                 let Some(neighbour) = neighbour.filter(|_| stands) else {
                     continue;
                 };
@@ -71,7 +71,7 @@ impl Builder<'_> {
                 for &contact in apart.filter(|c| !phase.state.contains(c)) {
                     let frame = self.contact_frame(contact);
                     for nodes in 1..=within {
-                        let t = contact_node.saturating_add_signed(direction * nodes as isize);
+                        let t = if lands { end - nodes } else { first + nodes };
                         if self.program.nodes[t].velocity_var.is_none() {
                             continue;
                         }
