@@ -1,17 +1,23 @@
 //! Given sequences.
 
 use locotamp::{Refinement, Request, solve};
-use scene::SequenceFile;
+use scene::{Scene, Sequence, SequenceFile};
 use std::path::Path;
+
+/// A sequence of the repository and its scene.
+fn given(path: &str) -> (Scene, Sequence) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/sequences");
+    let file = SequenceFile::load(folder.join(path)).expect("a file");
+    let scene = file.load_scene().expect("its scene");
+    let sequence = file.resolve(&scene).expect("a sequence of the scene");
+    (scene, sequence)
+}
 
 /// All at once, the keyframes of these twelve phases end in a local minimum.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "slow without optimisation")]
 fn a_long_sequence_has_keyframes_beginning_by_beginning() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/sequences");
-    let file = SequenceFile::load(folder.join("climb/carry_and_climb.toml")).expect("a file");
-    let scene = file.load_scene().expect("its scene");
-    let sequence = file.resolve(&scene).expect("a sequence of the scene");
+    let (scene, sequence) = given("climb/carry_and_climb.toml");
     let request = Request {
         time_limit: 0.0,
         explain: false,
@@ -45,10 +51,7 @@ fn assert_costs_add_up(plan: &plan::Plan) -> Vec<String> {
 #[test]
 #[cfg_attr(debug_assertions, ignore = "slow without optimisation")]
 fn the_costs_of_a_solved_sequence_by_interval_and_term_add_up_to_its_cost() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/sequences");
-    let file = SequenceFile::load(folder.join("boxes/squeeze.toml")).expect("a file");
-    let scene = file.load_scene().expect("its scene");
-    let sequence = file.resolve(&scene).expect("a sequence of the scene");
+    let (scene, sequence) = given("boxes/squeeze.toml");
     for refinement in [None, Some(Refinement::default())] {
         let request = Request {
             refinement,
@@ -76,10 +79,7 @@ const BESIDE: f64 = 0.012;
 #[test]
 #[cfg_attr(debug_assertions, ignore = "slow without optimisation")]
 fn a_refined_foot_comes_down_straight() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/sequences");
-    let file = SequenceFile::load(folder.join("flat/forward_2.toml")).expect("a file");
-    let scene = file.load_scene().expect("its scene");
-    let sequence = file.resolve(&scene).expect("a sequence of the scene");
+    let (scene, sequence) = given("flat/forward_2.toml");
     let request = Request::default();
     let solved = solve(&scene, &sequence, &request, &mut |_| true).expect("a planning problem");
     assert!(solved.feasible, "{:?}", solved.reason);

@@ -4,9 +4,8 @@
 //! contact: |v_z| ≤ v_0 + a_0 τ, |v_x|, |v_y| ≤ v_0 + r a_0 τ, |ω_i| ≤ (v_0 + r a_0 τ)/l. Distances demanded beside
 //! contacts grow with ½ s a_0 τ² meanwhile. Short phases have τ_1 and a_0 of their own.
 //!
-//! Source: ours. A foot that comes to rest within a few hundredths of a second reaches the ground late or early under any
-//! controller, and along the ground is stopped by it before its time: the robot stumbles
-//! (benches/runs/2026-11-22-landing.md).
+//! Source: ours. A foot that comes in along the ground is stopped by it before its time where the robot hangs a little
+//! lower than planned. What this does, and that it does not mend falls in the replay: benches/runs/2026-11-22-landing.md.
 
 use super::{Builder, PARTS, Phase, Program};
 use scene::{Owner, Role};
