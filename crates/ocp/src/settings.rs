@@ -116,6 +116,8 @@ pub struct Margins {
     /// Sixteenths of a phase in which a contact that bears the robot or an object takes up its load after a change, and gives
     /// it away before one; 0: at once.
     pub ramp: f64,
+    /// Share of the robot's weight that a foot in contact bears at least; half of what the ramp allows where that is less.
+    pub load: f64,
     /// Distance that a contact's edge keeps from the edge of its support [m].
     pub bounds: f64,
 }
@@ -134,8 +136,9 @@ impl Margins {
             clearance: 0.02,
             self_clearance: 0.015,
             swing: 0.03,
-            landing: 0.02,
+            landing: 0.01,
             ramp: 3.0,
+            load: 0.05,
             bounds: 0.005,
         }
     }
@@ -154,6 +157,7 @@ impl Margins {
             swing: 0.0,
             landing: f64::INFINITY,
             ramp: 0.0,
+            load: 0.0,
             bounds: 0.0,
         }
     }
@@ -194,6 +198,9 @@ pub struct Settings {
 const LONGEST_STEP: f64 = 0.15;
 /// Barrier parameter of the preset `default`.
 const BARRIER: f64 = 3e-4;
+/// Barrier parameter of the preset `paper`: complementarity as with the tolerance that the yardstick gives IPOPT
+/// (benches/runs/2026-11-23-double-support.md).
+const PAPER_BARRIER: f64 = 2e-5;
 
 impl Settings {
     /// The given preset with the options of a scene.
@@ -220,7 +227,7 @@ impl Settings {
             barrier: if preset == Preset::Default {
                 BARRIER
             } else {
-                0.0
+                PAPER_BARRIER
             },
         }
     }

@@ -14,6 +14,8 @@ use solver::BlockStructure;
 use spatial::Pose;
 use symbolic::{Contact, ContactState, ContactType, InterfaceId};
 
+/// Share of the area for the centre of pressure that a foot has when its ramp begins.
+const FIRST_AREA: f64 = 0.15;
 /// A smaller friction coefficient counts as this, so that the cone has an inside.
 const LEAST_FRICTION: f64 = 1e-4;
 
@@ -34,6 +36,7 @@ impl Builder<'_> {
             let g = self.scene.gravity.norm();
             let max_force = a.max_force.min(b.max_force);
             let load = self.load(&phase.state, contact);
+            let share = self.ramp(t, contact, phases);
             let force = match a.owner {
                 Owner::Robot { .. } => a.max_force / 6.0,
                 Owner::Object(_) => load.max(1.0),
@@ -74,10 +77,9 @@ impl Builder<'_> {
                         terms.push(Arc::new(Torsion::new(mu_r, moment)));
                     }
                     if let Some([x, y]) = a.half_size {
-                        terms.push(Arc::new(Pressure::new(
-                            [x * pressure, y * pressure],
-                            moment,
-                        )));
+                        let half_size = [x * pressure, y * pressure];
+                        let (center, half_size) = self.area(contact, half_size, share);
+                        terms.push(Arc::new(Pressure::new(center, half_size, moment)));
                     }
                     if let (true, Some([x, y])) = (b.overhang, b.half_size) {
                         let half_size = [x * pressure, y * pressure];
@@ -115,19 +117,22 @@ impl Builder<'_> {
                 interval.wrench_var = p.structure.n_vars;
             }
             p.structure.n_vars += n;
-            let most = self.ramp(t, contact, phases);
+            let most = self.most_load(t, contact, share, phases).min(max_force);
+            let least = self.least_load(contact, most);
             let p = &mut self.program;
             for i in 0..n {
-                let normal = i == 2 && contact.kind == ContactType::UnilateralPatch;
+                let normal = i == 2 && patch;
                 let limit = if (frictionless && i < 2) || (turns_freely && i == 5) {
                     0.0
-                } else if i < 3 && max_force.min(most).is_finite() {
-                    max_force.min(most) / force
+                } else if i < 3 && most.is_finite() {
+                    most / force
                 } else {
                     f64::INFINITY
                 };
                 p.structure.lower.push(-limit);
-                p.structure.upper.push(if normal { 0.0 } else { limit });
+                p.structure
+                    .upper
+                    .push(if normal { -least / force } else { limit });
             }
             let interval = &mut p.intervals[t];
             let slot = p.nodes[t].slot(frame);
@@ -229,22 +234,14 @@ impl Builder<'_> {
         self.program.system.robot_mass * self.scene.gravity.norm()
     }
 
-    /// Largest force of a contact that bears the robot or an object near the phases where it comes or goes [N]. At the beginning
-    /// and end of a flight no other contact takes the load over, so there it comes and goes at once.
+    /// How far a contact that bears the robot or an object has got with taking up its load after it began, or with giving it
+    /// away before it ends: 0 to 1. At the beginning and end of a flight no other contact takes the load over, so there it
+    /// comes and goes at once.
     fn ramp(&self, t: usize, contact: Contact, phases: &[Phase]) -> f64 {
         let p = &self.program;
-        let (a, b) = (
-            &self.scene.interfaces[contact.a.0],
-            &self.scene.interfaces[contact.b.0],
-        );
-        let bears = match (a.owner, b.owner) {
-            (Owner::Robot { .. }, Owner::Static(_)) => self.robot_weight(),
-            (Owner::Robot { .. }, _) if a.role == Role::Foot => self.robot_weight(),
-            (Owner::Object(_), Owner::Static(_)) => {
-                self.load(&phases[p.phase_of(t)].state, contact)
-            }
-            _ => return f64::INFINITY,
-        };
+        if !self.bears_load(contact) {
+            return 1.0;
+        }
         let along = p.along();
         let here = 0.5 * (along[t] + along[t + 1]);
         let n = p.n_intervals();
@@ -264,10 +261,56 @@ impl Builder<'_> {
             .chain(goes)
             .map(|i| (along[i] - here).abs())
             .fold(f64::INFINITY, f64::min);
-        if apart < p.settings.margins.ramp {
-            bears * apart / p.settings.margins.ramp
+        let share = apart / p.settings.margins.ramp;
+        if share < 1.0 { share } else { 1.0 }
+    }
+
+    /// Does a contact take up load gradually: of the robot or of an object that stands on something.
+    fn bears_load(&self, contact: Contact) -> bool {
+        let [a, b] = [contact.a, contact.b].map(|i| &self.scene.interfaces[i.0]);
+        match (a.owner, b.owner) {
+            (Owner::Robot { .. } | Owner::Object(_), Owner::Static(_)) => true,
+            (Owner::Robot { .. }, _) => a.role == Role::Foot,
+            _ => false,
+        }
+    }
+
+    /// Largest force of a contact with so much of its ramp behind it [N].
+    fn most_load(&self, t: usize, contact: Contact, share: f64, phases: &[Phase]) -> f64 {
+        if share >= 1.0 {
+            return f64::INFINITY;
+        }
+        let state = &phases[self.program.phase_of(t)].state;
+        let bears = match self.scene.interfaces[contact.a.0].owner {
+            Owner::Object(_) => self.load(state, contact),
+            _ => self.robot_weight(),
+        };
+        bears * share
+    }
+
+    /// Centre and half extents of the area that the centre of pressure may use, with so much of the ramp behind the contact
+    /// [m]. A foot begins and ends below its last joint: there a force that is not as planned does not turn it.
+    fn area(&self, contact: Contact, [x, y]: [f64; 2], share: f64) -> ([f64; 2], [f64; 2]) {
+        let a = &self.scene.interfaces[contact.a.0];
+        if a.role != Role::Foot || share >= 1.0 {
+            return ([0.0; 2], [x, y]);
+        }
+        let carrier = self.program.system.carrier(a.owner, &a.body_from_interface);
+        let ankle = carrier.body_from_frame.inverse().origin();
+        let share = share.max(FIRST_AREA);
+        let around = |ankle: f64, half: f64| ankle.clamp(-half, half) * (1.0 - share);
+        (
+            [around(ankle.x, x), around(ankle.y, y)],
+            [x * share, y * share],
+        )
+    }
+
+    /// What a foot bears at least that may bear so much [N]. One that hardly touches rattles where a controller holds it fast.
+    fn least_load(&self, contact: Contact, most: f64) -> f64 {
+        if self.scene.interfaces[contact.a.0].role == Role::Foot {
+            (self.program.settings.margins.load * self.robot_weight()).min(0.5 * most)
         } else {
-            f64::INFINITY
+            0.0
         }
     }
 

@@ -1,11 +1,12 @@
 //! Landing and lifting off: what lands comes down straight and slowly, what leaves goes up so.
 //!
 //! With v, ω the twist of `a` relative to `b` in axes of `a`, z its normal, at a node that is time τ ≤ τ_1 away from the
-//! contact: |v_z| ≤ v_0 + a_0 τ, |v_x|, |v_y| ≤ v_0 + r a_0 τ, |ω_i| ≤ (v_0 + r a_0 τ)/l. Distances demanded beside
-//! contacts grow with ½ s a_0 τ² meanwhile. Short phases have τ_1 and a_0 of their own.
+//! contact and σ = max(0, τ − τ_0): |v_z| ≤ v_0 + a_0 σ, |v_x|, |v_y| ≤ v_0 + r a_0 σ, |ω_i| ≤ (v_0 + r a_0 σ)/l.
+//! Distances demanded beside contacts grow with ½ s a_0 σ² meanwhile. Short phases have τ_0, τ_1 and a_0 of their own.
 //!
 //! Source: ours. A foot that comes in along the ground is stopped by it before its time where the robot hangs a little
-//! lower than planned. What this does, and that it does not mend falls in the replay: benches/runs/2026-11-22-landing.md.
+//! lower than planned. One that is still braking when it touches is lifted off again by its controller; hence the
+//! slow way of τ_0. What this does to replays: benches/runs/2026-11-23-double-support.md.
 
 use super::{Builder, PARTS, Phase, Program};
 use scene::{Owner, Role};
@@ -18,16 +19,28 @@ const OF_SHORT: f64 = 1.5;
 /// Shares of it along the surface, r, and for distances, s.
 const ALONG: f64 = 0.4;
 const RISE: f64 = 2.0 / 3.0;
+/// Time from the contact with the least speed, τ_0 [s], and the same as a share of the phase.
+const STILL: f64 = 0.08;
+const STILL_SHARE: f64 = 0.125;
 /// Longest time from the contact, τ_1 [s], and the same as a share of the phase.
-const BESIDE: f64 = 0.2;
+const BESIDE: f64 = 0.28;
 const SHARE: f64 = 0.25;
 /// Lever of the angular velocity, l [m].
 const LEVER: f64 = 0.2;
 
-/// Growth of the speed in a phase of so many intervals [m/s²].
-fn growth(program: &Program, steps: usize) -> f64 {
-    let duration = program.settings.max_step * steps as f64;
+/// Longest duration of a phase of so many intervals [s].
+fn duration(program: &Program, steps: usize) -> f64 {
+    program.settings.max_step * steps as f64
+}
+
+/// Growth of the speed in a phase of such a duration [m/s²].
+fn growth(duration: f64) -> f64 {
     GROWTH.max(OF_SHORT / duration.powi(2))
+}
+
+/// σ: time so far from the contact that speed has had to grow [s].
+fn growing(duration: f64, time: f64) -> f64 {
+    (time - STILL.min(STILL_SHARE * duration)).max(0.0)
 }
 
 /// Distance that may be demanded at a node, so many sixteenths of a phase away from a contact [m]; `None` where nothing
@@ -38,8 +51,9 @@ pub(crate) fn rise(program: &Program, node: usize, parts: f64) -> Option<f64> {
     }
     let interval = node.min(program.n_intervals() - 1);
     let steps = program.steps[program.phase_of(interval)];
-    let time = program.settings.max_step * steps as f64 * parts / PARTS;
-    Some(0.5 * RISE * growth(program, steps) * time.powi(2))
+    let duration = duration(program, steps);
+    let time = growing(duration, duration * parts / PARTS);
+    Some(0.5 * RISE * growth(duration) * time.powi(2))
 }
 
 impl Builder<'_> {
@@ -54,7 +68,7 @@ impl Builder<'_> {
         let mut first = 0;
         for (k, phase) in phases.iter().enumerate() {
             let end = first + phase.steps;
-            let growth = growth(&self.program, phase.steps);
+            let duration = duration(&self.program, phase.steps);
             let share = (SHARE * phase.steps as f64).ceil() as usize;
             let within = ((BESIDE / dt) as usize).min(share).min(phase.steps - 1);
             let stands = phase.state.iter().any(|c| self.bears(c));
@@ -74,7 +88,7 @@ impl Builder<'_> {
                         if self.program.nodes[t].velocity_var.is_none() {
                             continue;
                         }
-                        let more = growth * dt * nodes as f64;
+                        let more = growth(duration) * growing(duration, dt * nodes as f64);
                         let along = speed + ALONG * more;
                         let limits = [along, speed + more, along / LEVER];
                         self.velocity_rows(t, contact, frame, "landing speed", limits);

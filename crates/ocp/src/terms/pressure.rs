@@ -1,7 +1,8 @@
 //! Centre of pressure: it stays inside patch a.
 //!
 //! Source: paper, eq. (unilateral_patch), |κ_xy| ≤ f_z ξ_xy, with the indices exchanged as they must be (formulation
-//! 2.3): |m_x| ≤ f_n ξ_y, |m_y| ≤ f_n ξ_x, axes of a, f_n = −f_z.
+//! 2.3): |m_x| ≤ f_n ξ_y, |m_y| ≤ f_n ξ_x, axes of a, f_n = −f_z. Here about a centre c, which need not be the patch's:
+//! |m_x + f_n c_y| ≤ f_n ξ_y, |m_y − f_n c_x| ≤ f_n ξ_x.
 
 use super::friction::{linear_gradients, linear_rows};
 use super::{ForceHessian, ForceTerm};
@@ -15,21 +16,22 @@ pub struct Pressure {
 }
 
 impl Pressure {
-    /// Half extents [m] of the area that the centre of pressure may use, and the moment that counts as one [N·m].
-    pub fn new(half_size: [f64; 2], scale: f64) -> Self {
-        let row = |half: f64, axis: usize, sign: f64| {
+    /// Centre in a's frame and half extents [m] of the area that the centre of pressure may use, and the moment that
+    /// counts as one [N·m].
+    pub fn new(center: [f64; 2], half_size: [f64; 2], scale: f64) -> Self {
+        let row = |reach: f64, axis: usize, sign: f64| {
             let mut c = Vector6::zeros();
-            c[2] = -half / scale;
+            c[2] = -reach / scale;
             c[axis] = sign / scale;
             c
         };
-        let [x, y] = half_size;
+        let ([c_x, c_y], [x, y]) = (center, half_size);
         Self {
             coefficients: [
-                row(y, 3, -1.0),
-                row(y, 3, 1.0),
-                row(x, 4, -1.0),
-                row(x, 4, 1.0),
+                row(y - c_y, 3, -1.0),
+                row(y + c_y, 3, 1.0),
+                row(x + c_x, 4, -1.0),
+                row(x - c_x, 4, 1.0),
             ],
         }
     }
