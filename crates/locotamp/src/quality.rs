@@ -360,7 +360,26 @@ fn margins(scene: &Scene, motion: &Motion, series: &Series) -> Vec<Margin> {
     if wanted.landing.is_finite() {
         margins.push(distance("landing", "m/s", wanted.landing, landing(motion)));
     }
+    if wanted.load > 0.0 {
+        let demanded = wanted.load * program.system.robot_mass * scene.gravity.norm();
+        let reached = foot_load(motion).map(|beyond| demanded + beyond);
+        margins.push(distance("foot_load", "N", demanded, reached));
+    }
     margins
+}
+
+/// By how much feet in contact bear more than they must, where that is least [N].
+fn foot_load(motion: &Motion) -> Option<f64> {
+    let program = &motion.trajectory.program;
+    let intervals = program.intervals.iter().zip(&motion.point.wrenches);
+    smallest(intervals.flat_map(|(interval, wrenches)| {
+        let feet = interval.forces.iter().filter_map(move |force| {
+            let most_negative = program.structure.upper[interval.wrench_var + force.first + 2];
+            (most_negative < 0.0)
+                .then(|| (most_negative - wrenches[force.first + 2]) * force.scale[2])
+        });
+        feet.collect::<Vec<_>>()
+    }))
 }
 
 /// Smallest clearance among the rows that demand the whole margin: between links of the robot, or with anything else.

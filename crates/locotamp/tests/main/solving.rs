@@ -75,10 +75,15 @@ fn the_costs_of_a_solved_sequence_by_interval_and_term_add_up_to_its_cost() {
 /// Height above the place where it lands below which a foot is nearly down, and how far from there it may be then [m].
 const LOW: f64 = 0.01;
 const BESIDE: f64 = 0.012;
+/// Last part of a swing [s], and how high a foot may be at its beginning [m].
+const LAST: f64 = 0.08;
+const TOUCHING: f64 = 0.001;
+/// Distance of the centre of pressure from the ankle, along the foot, while it takes up its first load [m].
+const BELOW_ANKLE: f64 = 0.02;
 
 #[test]
 #[cfg_attr(debug_assertions, ignore = "slow without optimisation")]
-fn a_refined_foot_comes_down_straight() {
+fn a_refined_foot_comes_down_straight_and_takes_up_its_load_below_the_ankle() {
     let (scene, sequence) = given("flat/forward_2.toml");
     let request = Request::default();
     let solved = solve(&scene, &sequence, &request, &mut |_| true).expect("a planning problem");
@@ -105,6 +110,7 @@ fn a_refined_foot_comes_down_straight() {
             contacts.iter().any(|contact| contact.a == foot.name)
         };
         let comes = |&k: &usize| touches(k) && !touches(k - 1);
+        let ankle = carrier.body_from_frame.inverse().origin();
         for k in (1..plan.phases.len()).filter(comes) {
             let landing = places[first(k)];
             let swing = &places[first(k - 1)..first(k)];
@@ -113,6 +119,21 @@ fn a_refined_foot_comes_down_straight() {
             let beside = |at: &nalgebra::Vector3<f64>| (at - landing).xy().norm();
             let farthest = low.map(beside).fold(0.0, f64::max);
             assert!(farthest < BESIDE.min(0.5 * way), "{farthest} of {way} m");
+            let time = &plan.time[..first(k)];
+            let last = time.partition_point(|t| *t < plan.time[first(k)] - LAST);
+            let height = places[last].z - landing.z;
+            assert!(height < TOUCHING, "{height} m, {LAST} s before");
+            let mut contacts = plan.phases[k].contacts.iter();
+            let wrench = contacts
+                .find(|contact| contact.a == foot.name)
+                .expect("it has landed")
+                .wrench[0];
+            let center = -wrench[4] / wrench[2];
+            assert!(
+                (center - ankle.x).abs() < BELOW_ANKLE,
+                "{center} not {} m",
+                ankle.x
+            );
             landings += 1;
         }
     }
@@ -125,4 +146,8 @@ fn a_refined_foot_comes_down_straight() {
         .expect("a margin");
     let reached = landing.reached.expect("contacts that begin");
     assert!(reached < landing.demanded + 1e-4, "{reached} m/s");
+    let mut margins = found.quality.margins.iter();
+    let load = margins.find(|m| m.name == "foot_load").expect("a margin");
+    let reached = load.reached.expect("feet in contact");
+    assert!(reached > load.demanded - 1e-3, "{reached} N");
 }
