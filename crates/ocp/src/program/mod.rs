@@ -20,6 +20,7 @@ mod interval;
 mod label;
 pub(crate) mod landing;
 mod layout;
+mod loads;
 mod node;
 mod rows;
 mod torque_speed;
