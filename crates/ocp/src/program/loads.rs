@@ -81,7 +81,7 @@ impl Builder<'_> {
         let active = |t: usize| phases[p.phase_of(t)].state.contains(&contact);
         let flies = |t: usize| {
             let mut contacts = phases[p.phase_of(t)].state.contacts.iter();
-            let owner = |i: symbolic::InterfaceId| self.scene.interfaces[i.0].owner;
+            let owner = |i: InterfaceId| self.scene.interfaces[i.0].owner;
             let robot = |i| matches!(owner(i), Owner::Robot { .. });
             !contacts.any(|c| robot(c.a) || robot(c.b))
         };
