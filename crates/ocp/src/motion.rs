@@ -366,10 +366,11 @@ impl<'a> Planner<'a> {
         let found = self
             .collisions
             .between(program, self.scene, phases, nodes, BETWEEN_TOLERANCE);
-        for (t, a, other, depth) in &found {
-            for node in [*t, t + 1] {
-                let more = extra.entry((node, *a, *other)).or_default();
-                *more += depth + BETWEEN_TOLERANCE;
+        for overlap in &found {
+            // Half-way is the mean of both ends, one of which may be where the bodies touch.
+            let more = (overlap.depth + BETWEEN_TOLERANCE) * 2.0 / overlap.nodes.len() as f64;
+            for &node in &overlap.nodes {
+                *extra.entry((node, overlap.a, overlap.other)).or_default() += more;
             }
         }
         !found.is_empty()

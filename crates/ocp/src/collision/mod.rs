@@ -58,6 +58,19 @@ pub enum Clearances<'a> {
     Watched(&'a Watched),
 }
 
+/// Bodies that are deeper in one another half-way between two nodes than at them.
+#[derive(Debug, Clone)]
+pub struct Overlap {
+    /// Those of the two nodes at which they do not touch.
+    pub nodes: Vec<usize>,
+    /// Joint of the first one.
+    pub a: usize,
+    /// The second one.
+    pub other: Other,
+    /// By how much deeper [m].
+    pub depth: f64,
+}
+
 /// A primitive that balls avoid.
 #[derive(Debug, Clone)]
 struct Primitive {
@@ -296,8 +309,8 @@ impl CollisionModel {
         out
     }
 
-    /// Overlaps that are deeper, by more than `tolerance`, half-way between neighbouring nodes than at them: interval, pair,
-    /// by how much [m].
+    /// Overlaps that are deeper, by more than `tolerance`, half-way between neighbouring nodes than at them. Bodies that
+    /// touch at one of the nodes alone, where they part or meet, are no exception: what lands comes from outside.
     pub fn between(
         &self,
         program: &Program,
@@ -305,15 +318,11 @@ impl CollisionModel {
         phases: &[Phase],
         nodes: &[Vec<f64>],
         tolerance: f64,
-    ) -> Vec<(usize, usize, Other, f64)> {
+    ) -> Vec<Overlap> {
         let model = &program.system.model;
         let mut kinematics = Kinematics::new(model);
-        let mut overlaps = |q: &[f64], t: [usize; 2]| {
+        let mut overlaps = |q: &[f64], touching: &BTreeSet<Touch>| {
             kinematics.update(model, q);
-            let touching: BTreeSet<_> = t
-                .iter()
-                .flat_map(|&t| Self::touching(scene, program, phases, t))
-                .collect();
             let mut found = BTreeMap::new();
             self.overlaps(
                 &kinematics,
@@ -325,21 +334,31 @@ impl CollisionModel {
             );
             found
         };
+        let touching = |t: usize| Self::touching(scene, program, phases, t);
         let mut out = Vec::new();
         for t in 0..program.n_intervals() {
             let difference = model.difference(&nodes[t], &nodes[t + 1]);
             let half: Vec<f64> = difference.iter().map(|d| 0.5 * d).collect();
-            let between = overlaps(&model.integrate(&nodes[t], &half), [t, t + 1]);
+            let touch_here = [touching(t), touching(t + 1)];
+            let both = &touch_here[0] & &touch_here[1];
+            let between = overlaps(&model.integrate(&nodes[t], &half), &both);
             if between.values().all(|&depth| depth <= tolerance) {
                 continue;
             }
-            let ends = [t, t + 1].map(|node| overlaps(&nodes[node], [node, node]));
+            let ends = [t, t + 1].map(|node| overlaps(&nodes[node], &both));
             for (&(a, other), &depth) in &between {
                 // At the nodes rows say how deep bodies that just touched may be in one another.
                 let at_ends = ends.iter().filter_map(|end| end.get(&(a, other)));
-                let more = depth - at_ends.fold(0.0, |most: f64, &end| most.max(end));
-                if more > tolerance {
-                    out.push((t, a, other, more));
+                let depth = depth - at_ends.fold(0.0, |most: f64, &end| most.max(end));
+                if depth > tolerance {
+                    let free = |i: usize| !touch_here[i].contains(&(a, other));
+                    let nodes = (0..2).filter(|&i| free(i)).map(|i| t + i).collect();
+                    out.push(Overlap {
+                        nodes,
+                        a,
+                        other,
+                        depth,
+                    });
                 }
             }
         }
@@ -482,5 +501,49 @@ fn primitive(joint: Option<usize>, body: Option<usize>, placed: &PlacedShape) ->
         body,
         from_body: turn.inverse(),
         obstacle,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::{Planner, near};
+    use crate::settings::{Preset, Settings};
+    use std::path::Path;
+
+    #[test]
+    fn a_foot_that_lands_through_the_edge_of_a_block_collides_before_it_lands() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/sequences");
+        let file = scene::SequenceFile::load(folder.join("stairs/block.toml")).unwrap();
+        let scene = file.load_scene().unwrap();
+        let sequence = file.resolve(&scene).unwrap();
+        let phase = |p: &scene::SequencePhase| Phase {
+            state: p.state.clone(),
+            steps: 8,
+        };
+        let phases: Vec<Phase> = sequence.phases.iter().map(phase).collect();
+        let planner = Planner::new(&scene).unwrap();
+        let settings = Settings::new(Preset::Default, &scene.optimiser);
+        let keyframes = planner.keyframes(&phases, &settings);
+        assert!(keyframes.possible);
+        // On the ground until the last interval before the foot stands on the block.
+        let landing = 16;
+        let mut nodes = vec![keyframes.nodes[0].clone(); landing];
+        nodes.resize(41, keyframes.nodes[2].clone());
+        let none = ExtraClearance::new();
+        let program = planner.program(&phases, &settings, Grid::Motion, near(&nodes, &none));
+        let found = planner
+            .collisions
+            .between(&program, &scene, &phases, &nodes, 0.002);
+        let (swings, stands) = (&phases[1].state.contacts, &phases[2].state.contacts);
+        let foot = stands.iter().find(|c| !swings.contains(c)).unwrap();
+        let Owner::Robot { frame } = scene.interfaces[foot.a.0].owner else {
+            panic!("a foot is the robot's");
+        };
+        let joint = planner.system.model.frames[frame].joint.unwrap();
+        let before_it_lands = |o: &&Overlap| o.a == joint && o.nodes == [landing - 1];
+        let mut of_foot = found.iter().filter(before_it_lands);
+        let overlap = of_foot.next().expect("the foot comes through the edge");
+        assert!(overlap.depth > 0.01, "{overlap:?}");
     }
 }

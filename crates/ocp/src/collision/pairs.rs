@@ -8,7 +8,7 @@ use super::{Ball, Clearances, CollisionModel, ExtraClearance, Other, Primitive, 
 use crate::program::{Grid, Phase, Program, landing};
 use crate::settings::Preset;
 use crate::terms::PoseTerm;
-use crate::terms::distance::{Distance, EVENNESS, Obstacle, Part};
+use crate::terms::distance::{Distance, EVENNESS, MOST_CLEARANCE, Obstacle, Part};
 use crate::terms::sigmoid::Sigmoid;
 use multibody::Kinematics;
 use scene::Scene;
@@ -28,6 +28,8 @@ pub(super) const BLUR: f64 = 1.4 * EVENNESS;
 const RAMP: (f64, f64) = (-0.002, 0.008);
 /// The most that is demanded at a contact [m].
 const MOST_AT_CONTACT: f64 = -0.008;
+/// Share of the clearance that is demanded of a hand and its wrist from what the object that it grasps or places stands on.
+const THROUGH: f64 = 0.25;
 /// Sixteenths of a phase after a body has left where it stands at the start in which what is near there may still be so.
 const FROM_START: f64 = 6.0;
 /// Slope of the sigmoid penalties of the paper preset [1/m] (the yardstick's).
@@ -61,6 +63,8 @@ struct At<'a> {
     kinematics: &'a [Kinematics],
     window: &'a [&'a Kinematics],
     since: &'a dyn Fn(usize, Other) -> Option<Since>,
+    /// The same where the first one touches an object that touches the other.
+    through: &'a dyn Fn(usize, Other) -> Option<Since>,
     /// Sixteenths of a phase since each body, and its neighbours, stopped standing where they stand at the start.
     from_start: &'a [f64],
 }
@@ -137,14 +141,22 @@ impl CollisionModel {
             if program.nodes[t].var.is_none() || program.master_node(t) != t {
                 continue;
             }
-            let since = |a: usize, other: Other| -> Option<Since> {
+            let nearest = |touch: &dyn Fn(usize) -> bool| -> Option<Since> {
                 (0..=n)
-                    .filter(|&i| touching[i].contains(&(a, other)))
+                    .filter(|&i| touch(i))
                     .map(|node| Since {
                         parts: f64::abs(along[node] - along[t]),
                         node,
                     })
                     .min_by(|x, y| x.parts.total_cmp(&y.parts))
+            };
+            let since = |a: usize, other: Other| nearest(&|i| touching[i].contains(&(a, other)));
+            let through = |a: usize, other: Other| {
+                let touches = |i: usize, object: usize| {
+                    touching[i].contains(&(a, Ok(object))) && touching[i].contains(&(object, other))
+                };
+                let objects = program.system.n_robot_joints..model.joints.len();
+                nearest(&|i| objects.clone().any(|o| touches(i, o)))
             };
             let window = window(t);
             let at = At {
@@ -152,6 +164,7 @@ impl CollisionModel {
                 kinematics: &kinematics,
                 window: &window,
                 since: &since,
+                through: &through,
                 from_start: &leaves
                     .iter()
                     .map(|left| along[t] - left)
@@ -226,6 +239,7 @@ impl CollisionModel {
                 } else {
                     let more = extra.get(&(at.node, a, other)).copied().unwrap_or(0.0);
                     let clearance = self.clearance(program, a, primitive, other, at) + more;
+                    let clearance = clearance.min(MOST_CLEARANCE);
                     let shapes = (balls, obstacle);
                     Arc::new(shared.row((a, Some(index)), shapes, obstacle_from_b, clearance))
                 };
@@ -280,6 +294,12 @@ impl CollisionModel {
         let mut demanded = full;
         if let Some(since) = nearest {
             demanded = full.min(there(since.node).min(MOST_AT_CONTACT) + rise(since.parts));
+        }
+        // Where an object that is held stands, the hand that holds it, and its wrist, is as near as the grasp makes it.
+        let limb = self.neighbours[a].iter().copied().chain([a]);
+        let through = limb.filter_map(|j| (at.through)(j, other));
+        if let Some(since) = through.min_by(|x, y| x.parts.total_cmp(&y.parts)) {
+            demanded = demanded.min(THROUGH * full + rise(since.parts));
         }
         if at.from_start[a] < FROM_START {
             demanded = demanded.min(there(0) + rise(at.from_start[a].max(0.0)));
@@ -485,5 +505,64 @@ mod tests {
             }
         }
         assert!(near_wall > 0 && later > 0, "{near_wall} {later}");
+    }
+
+    /// The demanded clearance of a joint and static bodies, the least at each node of a sequence of the repository at its start.
+    fn demanded(name: &str, joint: &str, extra: f64) -> (usize, Vec<Option<f64>>) {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/sequences");
+        let file = scene::SequenceFile::load(folder.join(name)).unwrap();
+        let scene = file.load_scene().unwrap();
+        let sequence = file.resolve(&scene).unwrap();
+        let phase = |p: &scene::SequencePhase| Phase {
+            state: p.state.clone(),
+            steps: p.steps,
+        };
+        let phases: Vec<Phase> = sequence.phases.iter().map(phase).collect();
+        let planner = Planner::new(&scene).unwrap();
+        let n = phases.iter().map(|p| p.steps).sum::<usize>();
+        let nodes = vec![planner.system.start(&scene); n + 1];
+        let joints = &planner.system.model.joints;
+        let a = joints.iter().position(|j| j.name == joint).unwrap();
+        let mut more = ExtraClearance::new();
+        for node in 0..=n {
+            more.extend((0..scene.statics.len()).map(|s| ((node, a, Err(s)), extra)));
+        }
+        let settings = Settings::new(Preset::Default, &scene.optimiser);
+        let near = || Clearances::Near {
+            nodes: &nodes,
+            extra: &more,
+        };
+        let program = planner.program(&phases, &settings, Grid::Motion, near());
+        let mut least = vec![None; n + 1];
+        for pair in planner
+            .collisions
+            .pairs(&program, &scene, &phases, near())
+            .iter()
+            .filter(|pair| pair.a == a && pair.b.is_none())
+        {
+            let here = pair.term.bounds()[0].0;
+            let least: &mut Option<f64> = &mut least[pair.node];
+            *least = Some(least.map_or(here, |least| least.min(here)));
+        }
+        (phases[0].steps, least)
+    }
+
+    #[test]
+    fn a_wrist_is_as_near_to_a_table_as_the_handle_of_what_stands_there() {
+        let (steps, least) = demanded("support/reach.toml", "right_wrist_yaw_joint", 0.0);
+        let full = crate::settings::Margins::executable().clearance;
+        // Phases: stand, lean, grasp, lift, set down, release, stand.
+        for (k, may_be_near) in [(1, false), (2, true), (4, true), (6, false)] {
+            let here = least[k * steps + steps / 2].expect("the hand hangs beside the table");
+            let expected = if may_be_near { THROUGH * full } else { full };
+            assert!((here - expected).abs() < 1e-12, "phase {k}: {here}");
+        }
+    }
+
+    #[test]
+    fn no_more_is_demanded_than_a_row_can_say() {
+        let (_, least) = demanded("support/reach.toml", "right_wrist_yaw_joint", 0.5);
+        let most = least.into_iter().flatten().fold(0.0, f64::max);
+        assert!((most - MOST_CLEARANCE).abs() < 1e-12, "{most}");
     }
 }

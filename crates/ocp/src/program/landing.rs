@@ -8,7 +8,13 @@
 //! lower than planned. One that is still braking when it touches is lifted off again by its controller; hence the
 //! slow way of τ_0. What this does to replays: benches/runs/2026-11-23-double-support.md.
 
-use super::{Builder, PARTS, Phase, Program};
+use std::sync::Arc;
+
+use super::label::label;
+use super::{Builder, Grid, PARTS, Phase, Program, Subject};
+use crate::settings::Preset;
+use crate::terms::{PoseTerm, height::Beyond};
+use nalgebra::Vector3;
 use scene::{Owner, Role};
 use symbolic::Contact;
 
@@ -25,6 +31,8 @@ const STILL_SHARE: f64 = 0.125;
 /// Longest time from the contact, τ_1 [s], and the same as a share of the phase.
 const BESIDE: f64 = 0.28;
 const SHARE: f64 = 0.25;
+/// Least height at the nodes next to a contact on grids without velocities [m].
+const OUTSIDE: f64 = 0.005;
 /// Lever of the angular velocity, l [m].
 const LEVER: f64 = 0.2;
 
@@ -97,6 +105,52 @@ impl Builder<'_> {
             }
             first = end;
         }
+    }
+
+    /// Where configurations alone are unknowns: what lands or leaves is beyond the plane of the contact at the node next to it,
+    /// since an interval may be long enough for a foot to come through the edge of what it lands on.
+    pub(super) fn from_outside(&mut self, phases: &[Phase]) {
+        let p = &self.program;
+        let coarse = p.grid == Grid::Motion && !p.has_velocities();
+        if !coarse || p.settings.preset == Preset::Paper {
+            return;
+        }
+        let mut first = 0;
+        for (k, phase) in phases.iter().enumerate() {
+            let end = first + phase.steps;
+            // With explicit Euler what leaves is still at rest at its release, two nodes later.
+            let beside = [
+                (k.checked_sub(1), first + 2),
+                (Some(k + 1).filter(|&k| k < phases.len()), end - 1),
+            ];
+            for (neighbour, t) in beside {
+                let Some(neighbour) = neighbour.filter(|_| phase.steps > 3) else {
+                    continue;
+                };
+                let apart = phases[neighbour].state.contacts.iter();
+                for &contact in apart.filter(|c| !phase.state.contains(c)) {
+                    let frame = self.contact_frame(contact);
+                    let term = Beyond {
+                        points: self.corners(contact),
+                        least: OUTSIDE,
+                    };
+                    let category = label(term.name(), Subject::Contact(contact), 1.0, term.unit());
+                    self.node_term(t, t, frame, Arc::new(term), category);
+                }
+            }
+            first = end;
+        }
+    }
+
+    /// Corners of the interface that touches the other; its origin where it has none.
+    fn corners(&self, contact: Contact) -> Vec<Vector3<f64>> {
+        let half = self.scene.interfaces[contact.a.0].half_size;
+        let Some([x, y]) = half.filter(|_| contact.kind.is_patch()) else {
+            return vec![Vector3::zeros()];
+        };
+        let signs = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
+        let corner = |(i, j)| Vector3::new(i * x, j * y, 0.0);
+        signs.map(corner).to_vec()
     }
 
     /// Does a contact bear the robot: a foot on anything, or another end-effector on something fixed.

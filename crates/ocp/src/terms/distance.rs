@@ -29,7 +29,9 @@ use spatial::{Pose, skew};
 use std::sync::Arc;
 
 /// d₀ and d₁ [m].
-const LEVEL: (f64, f64) = (0.06, 0.12);
+const LEVEL: (f64, f64) = (MOST_CLEARANCE, 0.12);
+/// The most that can be demanded [m]: beyond it rows level out, and what they say never comes to 0.09 m.
+pub const MOST_CLEARANCE: f64 = 0.06;
 /// Balls farther away than the nearest one by more than this have no say: exp(−SEEN/η) is 1e-7 [m].
 const SEEN: f64 = 16.0 * EVENNESS;
 

@@ -32,6 +32,41 @@ impl PoseTerm for Height {
     }
 }
 
+/// Height ≥ h [m] of points of interface `a`, as its corners: what lands next, or has just left, is beyond the plane.
+#[derive(Debug)]
+pub struct Beyond {
+    /// Points in the frame of `a` [m].
+    pub points: Vec<Vector3<f64>>,
+    /// Least height h [m].
+    pub least: f64,
+}
+
+impl PoseTerm for Beyond {
+    fn name(&self) -> &'static str {
+        "height beside contact"
+    }
+    fn unit(&self) -> &'static str {
+        "m"
+    }
+    fn bounds(&self) -> Vec<(f64, f64)> {
+        vec![(self.least, f64::INFINITY); self.points.len()]
+    }
+    fn values(&self, b_from_a: &Pose, out: &mut [f64]) {
+        for (out, point) in out.iter_mut().zip(&self.points) {
+            *out = b_from_a.act(*point).z;
+        }
+    }
+    fn gradients(&self, b_from_a: &Pose, out: &mut [Vector6<f64>]) {
+        for (out, point) in out.iter_mut().zip(&self.points) {
+            *out = point_gradient(b_from_a, point, &Vector3::z());
+        }
+    }
+    fn hessian(&self, b_from_a: &Pose, weights: &[f64]) -> Matrix6<f64> {
+        let of_point = |(p, w): (_, &f64)| point_hessian(b_from_a, p, &Vector3::z()) * *w;
+        self.points.iter().zip(weights).map(of_point).sum()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

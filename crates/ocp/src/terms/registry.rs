@@ -2,10 +2,23 @@
 
 use super::distance::{Distance, Obstacle, Part};
 use super::{
-    ForceTerm, PoseTerm, alignment::Alignment, approach::Approach, bounds::Bounds,
-    friction::Friction, grasp::Grasp, half_space::HalfSpace, heading::Heading, height::Height,
-    place::Place, point_friction::PointFriction, pressure::Pressure, region::Region,
-    sigmoid::Sigmoid, support_pressure::SupportPressure, tilt::Tilt, tilt_limit::TiltLimit,
+    ForceTerm, PoseTerm,
+    alignment::Alignment,
+    approach::Approach,
+    bounds::Bounds,
+    friction::Friction,
+    grasp::Grasp,
+    half_space::HalfSpace,
+    heading::Heading,
+    height::{Beyond, Height},
+    place::Place,
+    point_friction::PointFriction,
+    pressure::Pressure,
+    region::Region,
+    sigmoid::Sigmoid,
+    support_pressure::SupportPressure,
+    tilt::Tilt,
+    tilt_limit::TiltLimit,
     torsion::Torsion,
 };
 use nalgebra::Vector3;
@@ -27,6 +40,10 @@ pub fn pose_terms() -> Vec<Box<dyn PoseTerm>> {
     };
     vec![
         Box::new(Height),
+        Box::new(Beyond {
+            points: vec![Vector3::new(0.1, -0.05, 0.0), Vector3::zeros()],
+            least: 0.01,
+        }),
         Box::new(Alignment),
         Box::new(Place { yaw: true }),
         Box::new(Place { yaw: false }),

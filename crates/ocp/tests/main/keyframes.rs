@@ -1,6 +1,7 @@
 //! Keyframe checks and warm starts on sequences of the repository.
 
 use multibody::{CenterOfMass, Kinematics};
+use nalgebra::Vector3;
 use ocp::{Phase, Planner, Preset, Settings};
 use scene::{Scene, SequenceFile};
 use spatial::Pose;
@@ -178,4 +179,49 @@ fn keyframes_shift_the_weight_to_the_foot_that_stays() {
     );
     assert!(before > 0.1, "the start stands on both: {before}");
     assert!(after < 0.05, "{after}");
+}
+
+/// Lowest corner of the soles over what they land on or have left, at the nodes next to those contacts [m].
+fn lowest_beside_contacts(name: &str) -> f64 {
+    let (scene, phases, settings) = sequence(name);
+    let planner = Planner::new(&scene).expect("a model");
+    let keyframes = planner.keyframes(&phases, &settings);
+    let motion = planner.motion(&phases, &settings, &keyframes.nodes, &mut |_| true);
+    assert!(motion.feasible, "{name}: {:?}", motion.worst);
+    let mut kinematics = Kinematics::new(&planner.system.model);
+    let mut lowest = f64::INFINITY;
+    let mut first = 0;
+    for (k, phase) in phases.iter().enumerate() {
+        let end = first + phase.steps;
+        let beside = [(k.wrapping_sub(1), first + 2), (k + 1, end - 1)];
+        for (neighbour, node) in beside {
+            let Some(neighbour) = phases.get(neighbour) else {
+                continue;
+            };
+            kinematics.update(&planner.system.model, &motion.point.nodes[node]);
+            let apart = neighbour.state.contacts.iter();
+            for contact in apart.filter(|c| !phase.state.contains(c)) {
+                let [a, b] = [contact.a, contact.b].map(|i| {
+                    let interface = &scene.interfaces[i.0];
+                    let carrier = planner
+                        .system
+                        .carrier(interface.owner, &interface.body_from_interface);
+                    carrier.world_from_frame(&kinematics)
+                });
+                let half = scene.interfaces[contact.a.0].half_size.expect("a sole");
+                for (i, j) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
+                    let corner = a.act(Vector3::new(i * half[0], j * half[1], 0.0));
+                    lowest = lowest.min(b.inverse().act(corner).z);
+                }
+            }
+        }
+        first = end;
+    }
+    lowest
+}
+
+#[test]
+fn soles_are_above_what_they_land_on_one_interval_before() {
+    let lowest = lowest_beside_contacts("stairs/block.toml");
+    assert!(lowest > 0.005 - 1e-4, "{lowest} m");
 }
