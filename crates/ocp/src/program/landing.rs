@@ -31,8 +31,6 @@ const STILL_SHARE: f64 = 0.125;
 /// Longest time from the contact, τ_1 [s], and the same as a share of the phase.
 const BESIDE: f64 = 0.28;
 const SHARE: f64 = 0.25;
-/// Least height at the nodes next to a contact on grids without velocities [m].
-const OUTSIDE: f64 = 0.005;
 /// Lever of the angular velocity, l [m].
 const LEVER: f64 = 0.2;
 
@@ -107,8 +105,8 @@ impl Builder<'_> {
         }
     }
 
-    /// Where configurations alone are unknowns: what lands or leaves is beyond the plane of the contact at the node next to it,
-    /// since an interval may be long enough for a foot to come through the edge of what it lands on.
+    /// Where configurations alone are unknowns: feet that land or leave are beyond the plane of the contact at the node next to it,
+    /// since an interval may be long enough to come through the edge of what they land on.
     pub(super) fn from_outside(&mut self, phases: &[Phase]) {
         let p = &self.program;
         let coarse = p.grid == Grid::Motion && !p.has_velocities();
@@ -128,11 +126,13 @@ impl Builder<'_> {
                     continue;
                 };
                 let apart = phases[neighbour].state.contacts.iter();
-                for &contact in apart.filter(|c| !phase.state.contains(c)) {
+                let foot = |c: &Contact| self.scene.interfaces[c.a.0].role == Role::Foot;
+                let moves = |c: &&Contact| foot(c) && !phase.state.contains(c);
+                for contact in apart.copied().filter(|c| moves(&c)).collect::<Vec<_>>() {
                     let frame = self.contact_frame(contact);
                     let term = Beyond {
                         points: self.corners(contact),
-                        least: OUTSIDE,
+                        least: 0.0,
                     };
                     let category = label(term.name(), Subject::Contact(contact), 1.0, term.unit());
                     self.node_term(t, t, frame, Arc::new(term), category);

@@ -32,7 +32,7 @@ impl PoseTerm for Height {
     }
 }
 
-/// Height ≥ h [m] of points of interface `a`, as its corners: what lands next, or has just left, is beyond the plane.
+/// Height ≥ h [m] of points of interface `a`, as the corners of a sole: what lands next, or has just left, is beyond the plane.
 #[derive(Debug)]
 pub struct Beyond {
     /// Points in the frame of `a` [m].
@@ -43,7 +43,7 @@ pub struct Beyond {
 
 impl PoseTerm for Beyond {
     fn name(&self) -> &'static str {
-        "height beside contact"
+        "contact approach"
     }
     fn unit(&self) -> &'static str {
         "m"
