@@ -107,7 +107,7 @@ impl Builder<'_> {
 
     /// Where configurations alone are unknowns: feet that land or leave are beyond the plane of the contact at the node next to it,
     /// since an interval may be long enough to come through the edge of what they land on.
-    pub(super) fn from_outside(&mut self, phases: &[Phase]) {
+    pub(super) fn soles_outside(&mut self, phases: &[Phase]) {
         let p = &self.program;
         let coarse = p.grid == Grid::Motion && !p.has_velocities();
         if !coarse || p.settings.preset == Preset::Paper {

@@ -194,7 +194,7 @@ impl Program {
             builder.forces(t, phases);
         }
         builder.landings(phases);
-        builder.from_outside(phases);
+        builder.soles_outside(phases);
         builder.approaches(phases);
         builder.carried(phases);
         builder.balanced(phases);
