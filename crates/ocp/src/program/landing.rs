@@ -113,6 +113,7 @@ impl Builder<'_> {
         if !coarse || p.settings.preset == Preset::Paper {
             return;
         }
+        let scene = self.scene;
         let mut first = 0;
         for (k, phase) in phases.iter().enumerate() {
             let end = first + phase.steps;
@@ -126,13 +127,11 @@ impl Builder<'_> {
                     continue;
                 };
                 let apart = phases[neighbour].state.contacts.iter();
-                let foot = |c: &Contact| self.scene.interfaces[c.a.0].role == Role::Foot;
-                let moves = |c: &&Contact| foot(c) && !phase.state.contains(c);
-                for contact in apart.copied().filter(|c| moves(&c)).collect::<Vec<_>>() {
+                let foot = |c: &Contact| scene.interfaces[c.a.0].role == Role::Foot;
+                for &contact in apart.filter(|c| foot(c) && !phase.state.contains(c)) {
                     let frame = self.contact_frame(contact);
                     let term = Beyond {
                         points: self.corners(contact),
-                        least: 0.0,
                     };
                     let category = label(term.name(), Subject::Contact(contact), 1.0, term.unit());
                     self.node_term(t, t, frame, Arc::new(term), category);

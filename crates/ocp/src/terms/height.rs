@@ -32,13 +32,11 @@ impl PoseTerm for Height {
     }
 }
 
-/// Height ≥ h [m] of points of interface `a`, as the corners of a sole: what lands next, or has just left, is beyond the plane.
+/// Height ≥ 0 of points of interface `a`, as the corners of a sole: what lands next, or has just left, is beyond the plane.
 #[derive(Debug)]
 pub struct Beyond {
     /// Points in the frame of `a` [m].
     pub points: Vec<Vector3<f64>>,
-    /// Least height h [m].
-    pub least: f64,
 }
 
 impl PoseTerm for Beyond {
@@ -49,7 +47,7 @@ impl PoseTerm for Beyond {
         "m"
     }
     fn bounds(&self) -> Vec<(f64, f64)> {
-        vec![(self.least, f64::INFINITY); self.points.len()]
+        vec![(0.0, f64::INFINITY); self.points.len()]
     }
     fn values(&self, b_from_a: &Pose, out: &mut [f64]) {
         for (out, point) in out.iter_mut().zip(&self.points) {

@@ -42,7 +42,6 @@ pub fn pose_terms() -> Vec<Box<dyn PoseTerm>> {
         Box::new(Height),
         Box::new(Beyond {
             points: vec![Vector3::new(0.1, -0.05, 0.0), Vector3::zeros()],
-            least: 0.01,
         }),
         Box::new(Alignment),
         Box::new(Place { yaw: true }),
