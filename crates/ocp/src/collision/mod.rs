@@ -5,7 +5,10 @@
 //! solves checks the result and asks again with the pairs that were missed.
 
 mod cover;
+mod edges;
 mod pairs;
+#[cfg(test)]
+mod samples;
 mod shared;
 mod watch;
 
@@ -400,12 +403,27 @@ impl CollisionModel {
                     .iter()
                     .map(|(c, r)| r - primitive.obstacle.nearest(&x.act(*c)))
                     .fold(f64::NEG_INFINITY, f64::max);
+                let crossing = self.own(a).flat_map(|own| {
+                    let other_from_own = x * own.from_body.inverse();
+                    let (own, other) = (&own.obstacle, &primitive.obstacle);
+                    let of_own = edges::nearest(own, other, &other_from_own, 0.0);
+                    let own_from_other = other_from_own.inverse();
+                    let of_other = edges::nearest(other, own, &own_from_other, 0.0);
+                    of_own.into_iter().chain(of_other)
+                });
+                let depth = crossing.fold(depth, |most, (distance, _)| most.max(-distance));
                 see(depth, a, other);
             }
         }
         for &SelfPair { a, b, .. } in &self.self_pairs {
             see(-self.link_distance(kinematics, a, b), a, Ok(b));
         }
+    }
+
+    /// The boxes and other shapes that an object is.
+    fn own(&self, joint: usize) -> impl Iterator<Item = &Primitive> {
+        let of_joint = move |p: &&Primitive| p.joint == Some(joint);
+        self.primitives.iter().filter(of_joint)
     }
 
     /// Bodies that the start contacts of a scene bring together.
@@ -505,45 +523,4 @@ fn primitive(joint: Option<usize>, body: Option<usize>, placed: &PlacedShape) ->
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::motion::{Planner, near};
-    use crate::settings::{Preset, Settings};
-    use std::path::Path;
-
-    #[test]
-    fn a_foot_that_lands_through_the_edge_of_a_block_collides_before_it_lands() {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/sequences");
-        let file = scene::SequenceFile::load(folder.join("stairs/block.toml")).unwrap();
-        let scene = file.load_scene().unwrap();
-        let sequence = file.resolve(&scene).unwrap();
-        let phase = |p: &scene::SequencePhase| Phase {
-            state: p.state.clone(),
-            steps: 8,
-        };
-        let phases: Vec<Phase> = sequence.phases.iter().map(phase).collect();
-        let planner = Planner::new(&scene).unwrap();
-        let settings = Settings::new(Preset::Default, &scene.optimiser);
-        let keyframes = planner.keyframes(&phases, &settings);
-        assert!(keyframes.possible);
-        // On the ground until the last interval before the foot stands on the block.
-        let landing = 16;
-        let mut nodes = vec![keyframes.nodes[0].clone(); landing];
-        nodes.resize(41, keyframes.nodes[2].clone());
-        let none = ExtraClearance::new();
-        let program = planner.program(&phases, &settings, Grid::Motion, near(&nodes, &none));
-        let found = planner
-            .collisions
-            .between(&program, &scene, &phases, &nodes, 0.002);
-        let (swings, stands) = (&phases[1].state.contacts, &phases[2].state.contacts);
-        let foot = stands.iter().find(|c| !swings.contains(c)).unwrap();
-        let Owner::Robot { frame } = scene.interfaces[foot.a.0].owner else {
-            panic!("a foot is the robot's");
-        };
-        let joint = planner.system.model.frames[frame].joint.unwrap();
-        let before_it_lands = |o: &&Overlap| o.a == joint && o.nodes == [landing - 1];
-        let mut of_foot = found.iter().filter(before_it_lands);
-        let overlap = of_foot.next().expect("the foot comes through the edge");
-        assert!(overlap.depth > 0.01, "{overlap:?}");
-    }
-}
+mod tests;

@@ -3,12 +3,14 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
+use super::edges;
 use super::shared::Shared;
 use super::{Ball, Clearances, CollisionModel, ExtraClearance, Other, Primitive, SelfPair, Touch};
 use crate::program::{Grid, Phase, Program, landing};
 use crate::settings::Preset;
 use crate::terms::PoseTerm;
 use crate::terms::distance::{Distance, EVENNESS, MOST_CLEARANCE, Obstacle, Part};
+use crate::terms::inverse::Inverse;
 use crate::terms::sigmoid::Sigmoid;
 use multibody::Kinematics;
 use scene::Scene;
@@ -30,10 +32,18 @@ const RAMP: (f64, f64) = (-0.002, 0.008);
 const MOST_AT_CONTACT: f64 = -0.008;
 /// Share of the clearance that is demanded of a hand and its wrist from what the object that it grasps or places stands on.
 const THROUGH: f64 = 0.25;
+/// By how much a point on an edge is nearer than the corners of an object where it gets a say, if it is inside the other box
+/// [m]: edges that go through faces are rare, and rows for all that come near cost iterations.
+const NEARER: f64 = 0.002;
+/// The most that is demanded of edges of static boxes [m].
+const MOST_OF_EDGES: f64 = 0.005;
 /// Sixteenths of a phase after a body has left where it stands at the start in which what is near there may still be so.
 const FROM_START: f64 = 6.0;
 /// Slope of the sigmoid penalties of the paper preset [1/m] (the yardstick's).
 const SIGMOID_SLOPE: f64 = 40.0;
+
+/// What a row says in a configuration [m].
+type Says<'a> = &'a dyn Fn(&Kinematics) -> f64;
 
 /// One pair that gets rows (or a penalty) at a node.
 #[derive(Debug, Clone)]
@@ -219,47 +229,89 @@ impl CollisionModel {
                 if at.touches(a, other) {
                     continue;
                 }
-                let balls = if paper {
-                    // The paper penalises end-effectors, objects and large boxes, not every link.
-                    [&self.points[a][..], &self.link_points[a]].concat()
-                } else {
-                    self.balls_near(a, primitive, at.window)
+                let (obstacle, obstacle_from_b) = (primitive.obstacle.clone(), primitive.from_body);
+                let mut push = |term: Arc<dyn PoseTerm>| {
+                    let (node, b) = (at.node, primitive.joint);
+                    out.push(Pair { node, a, b, term });
                 };
-                if balls.is_empty() {
+                if paper {
+                    // The paper penalises end-effectors, objects and large boxes, not every link.
+                    let points = [&self.points[a][..], &self.link_points[a]].concat();
+                    if !points.is_empty() {
+                        push(Arc::new(Sigmoid {
+                            points,
+                            obstacle,
+                            obstacle_from_b,
+                            slope: SIGMOID_SLOPE,
+                        }));
+                    }
                     continue;
                 }
-                let (obstacle, obstacle_from_b) = (primitive.obstacle.clone(), primitive.from_body);
-                let term: Arc<dyn PoseTerm> = if paper {
-                    Arc::new(Sigmoid {
-                        points: balls,
-                        obstacle,
-                        obstacle_from_b,
-                        slope: SIGMOID_SLOPE,
-                    })
-                } else {
-                    let more = extra.get(&(at.node, a, other)).copied().unwrap_or(0.0);
-                    let clearance = self.clearance(program, a, primitive, other, at) + more;
-                    let clearance = clearance.min(MOST_CLEARANCE);
-                    let shapes = (balls, obstacle);
-                    Arc::new(shared.row((a, Some(index)), shapes, obstacle_from_b, clearance))
+                let more = extra.get(&(at.node, a, other)).copied().unwrap_or(0.0);
+                let demanded = |says: Says<'_>| {
+                    let clearance = self.clearance(program, (a, says), primitive, other, at);
+                    (clearance + more).min(MOST_CLEARANCE)
                 };
-                out.push(Pair {
-                    node: at.node,
-                    a,
-                    b: primitive.joint,
-                    term,
-                });
+                let mut balls = self.balls_near(a, primitive, at.window);
+                for own in self.own(a) {
+                    let (of_own, of_other) = self.edges_inside((a, own), primitive, at.window);
+                    balls.extend(of_own);
+                    if !of_other.is_empty() {
+                        push(Arc::new(edge_row((a, own), &of_other, &demanded)));
+                    }
+                }
+                if !balls.is_empty() {
+                    let clearance = demanded(&|k| distance_at((a, &balls), primitive, k));
+                    let shapes = (balls, obstacle);
+                    let row = shared.row((a, Some(index)), shapes, obstacle_from_b, clearance);
+                    push(Arc::new(row));
+                }
             }
         }
     }
 
-    /// Clearance demanded of a body and a primitive: growing with the distance in time from where they touch, or where the
+    /// Points on the edges of a box of an object that are inside another box though its corners are not as deep, and on those of
+    /// the other box, if it is static, inside it; in the frames of the bodies, in any of the configurations.
+    fn edges_inside(
+        &self,
+        (a, own): (usize, &Primitive),
+        other: &Primitive,
+        window: &[&Kinematics],
+    ) -> (Vec<Ball>, Vec<Ball>) {
+        let (mut of_own, mut of_other) = (vec![], vec![]);
+        let add = |nearest: Vec<(f64, Ball)>, body_from_box: Pose, out: &mut Vec<Ball>| {
+            for (_, (p, r)) in nearest {
+                let ball = (body_from_box.act(p), r);
+                if !out.contains(&ball) {
+                    out.push(ball);
+                }
+            }
+        };
+        let (a_from_own, b_from_other) = (own.from_body.inverse(), other.from_body.inverse());
+        for kinematics in window {
+            let x = other.pose_of_joint(kinematics, a);
+            let distance = |(c, r): &Ball| other.obstacle.roughly_nearest(&x.act(*c)) - r;
+            let corners = self.balls[a].iter().map(distance);
+            let below = (corners.fold(f64::INFINITY, f64::min) - NEARER).min(0.0);
+            let there = x * a_from_own;
+            let nearest = edges::nearest(&own.obstacle, &other.obstacle, &there, below);
+            add(nearest, a_from_own, &mut of_own);
+            if other.body.is_some() {
+                let there = there.inverse();
+                let nearest = edges::nearest(&other.obstacle, &own.obstacle, &there, below);
+                add(nearest, b_from_other, &mut of_other);
+            }
+        }
+        (of_own, of_other)
+    }
+
+    /// Clearance demanded of a body and a primitive, whose row says `says`: growing with the distance in time from where they touch, or where the
     /// body's neighbours in the limb do: a wrist is as near to a box as the hand that holds it makes it. The same from where a
     /// body has stood since the start, which may be nearer to something than a motion may come.
     fn clearance(
         &self,
         program: &Program,
-        a: usize,
+        (a, says): (usize, Says<'_>),
         primitive: &Primitive,
         other: Other,
         at: &At<'_>,
@@ -290,7 +342,7 @@ impl CollisionModel {
             .chain(beside)
             .min_by(|x, y| x.parts.total_cmp(&y.parts));
         let rise = |parts: f64| landing::rise(program, at.node, parts).unwrap_or(RAMP.1 * parts);
-        let there = |node: usize| self.distance_at(a, primitive, &at.kinematics[node]) + RAMP.0;
+        let there = |node: usize| says(&at.kinematics[node]) + RAMP.0;
         let mut demanded = full;
         if let Some(since) = nearest {
             demanded = full.min(there(since.node).min(MOST_AT_CONTACT) + rise(since.parts));
@@ -305,19 +357,6 @@ impl CollisionModel {
             demanded = demanded.min(there(0) + rise(at.from_start[a].max(0.0)));
         }
         demanded
-    }
-
-    /// What the row of a body and a primitive says in a configuration [m].
-    fn distance_at(&self, a: usize, primitive: &Primitive, kinematics: &Kinematics) -> f64 {
-        let row = Distance::new(
-            self.balls[a].clone(),
-            primitive.obstacle.clone(),
-            Pose::identity(),
-            0.0,
-        );
-        let mut value = [0.0];
-        row.values(&primitive.pose_of_joint(kinematics, a), &mut value);
-        value[0]
     }
 
     /// Balls of a body that come near a primitive in any of the configurations.
@@ -414,155 +453,35 @@ impl CollisionModel {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::motion::Planner;
-    use crate::settings::Settings;
-    use std::path::Path;
-
-    /// The G1 on the ground, beside or before something.
-    fn scene(more: &str) -> Scene {
-        let text = format!(
-            "name = \"s\"\nrobot = \"g1\"\n[[static]]\nname = \"ground\"\nplane = true\n{more}\n[objective]\nkind = \"base_height\"\n"
-        );
-        Scene::from_toml(&text, "s.toml", Path::new(".")).unwrap()
-    }
-
-    #[test]
-    fn links_that_are_near_one_another_at_the_start_may_stay_as_near() {
-        let mut scene = scene("");
-        let named = |j: &multibody::Joint| j.name == "left_shoulder_roll_joint";
-        let roll = scene
-            .robot
-            .model
-            .joints
-            .iter()
-            .find(|j| named(j))
-            .unwrap()
-            .idx_q;
-        let mut nearest = f64::INFINITY;
-        while nearest > 0.003 {
-            scene.start[roll] -= 0.01;
-            let planner = Planner::new(&scene).unwrap();
-            let model = &planner.system.model;
-            let mut kinematics = Kinematics::new(model);
-            kinematics.update(model, &planner.system.start(&scene));
-            for pair in &planner.collisions.self_pairs {
-                let row = planner.collisions.row_of_links(&kinematics, pair.a, pair.b);
-                for wish in [0.015, -BLUR] {
-                    assert!(pair.clearance(wish) < row, "{pair:?}: {row}");
-                }
-                nearest = nearest.min(row);
-            }
-        }
-    }
-
-    #[test]
-    fn a_foot_that_stands_near_a_wall_need_not_get_away_from_it() {
-        // The tip of the left sole is 12 mm before the wall, which is low enough for the other links.
-        let wall = "[[static]]\nname = \"wall\"\nsize = [0.02, 0.4, 0.03]\nposition = [0.131, 0.2, 0.015]\ntop = false";
-        let scene = scene(wall);
-        let planner = Planner::new(&scene).unwrap();
-        let standing = Phase {
-            state: scene.start_state(),
-            steps: 8,
-        };
-        let mut lifted = standing.clone();
-        let left = scene.interface_id("left_foot").unwrap();
-        lifted.state = standing.state.iter().filter(|c| c.a != left).collect();
-        let phases = [standing, lifted];
-        let start = planner.system.start(&scene);
-        let nodes = vec![start; 17];
-        let none = ExtraClearance::new();
-        let settings = Settings::new(Preset::Default, &scene.optimiser);
-        let near = || Clearances::Near {
-            nodes: &nodes,
-            extra: &none,
-        };
-        let program = planner.program(&phases, &settings, Grid::Motion, near());
-        let pairs = planner.collisions.pairs(&program, &scene, &phases, near());
-        let mut kinematics = Kinematics::new(&planner.system.model);
-        kinematics.update(&planner.system.model, &nodes[0]);
-        let (mut near_wall, mut later) = (0, 0);
-        for pair in pairs
-            .iter()
-            .filter(|p| p.b.is_none() && planner.collisions.feet[p.a])
-        {
-            let mut value = [f64::NAN];
-            pair.term
-                .values(&kinematics.world_from_joint[pair.a], &mut value);
-            let demanded = pair.term.bounds()[0].0;
-            if pair.node <= 8 {
-                near_wall += usize::from(value[0] < settings.margins.swing);
-                assert!(
-                    demanded < value[0],
-                    "node {}: {demanded} of {value:?}",
-                    pair.node
-                );
-            } else {
-                later += usize::from(demanded > value[0]);
-            }
-        }
-        assert!(near_wall > 0 && later > 0, "{near_wall} {later}");
-    }
-
-    /// The demanded clearance of a joint and static bodies, the least at each node of a sequence of the repository at its start.
-    fn demanded(name: &str, joint: &str, extra: f64) -> (usize, Vec<Option<f64>>) {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/sequences");
-        let file = scene::SequenceFile::load(folder.join(name)).unwrap();
-        let scene = file.load_scene().unwrap();
-        let sequence = file.resolve(&scene).unwrap();
-        let phase = |p: &scene::SequencePhase| Phase {
-            state: p.state.clone(),
-            steps: p.steps,
-        };
-        let phases: Vec<Phase> = sequence.phases.iter().map(phase).collect();
-        let planner = Planner::new(&scene).unwrap();
-        let n = phases.iter().map(|p| p.steps).sum::<usize>();
-        let nodes = vec![planner.system.start(&scene); n + 1];
-        let joints = &planner.system.model.joints;
-        let a = joints.iter().position(|j| j.name == joint).unwrap();
-        let mut more = ExtraClearance::new();
-        for node in 0..=n {
-            more.extend((0..scene.statics.len()).map(|s| ((node, a, Err(s)), extra)));
-        }
-        let settings = Settings::new(Preset::Default, &scene.optimiser);
-        let near = || Clearances::Near {
-            nodes: &nodes,
-            extra: &more,
-        };
-        let program = planner.program(&phases, &settings, Grid::Motion, near());
-        let mut least = vec![None; n + 1];
-        for pair in planner
-            .collisions
-            .pairs(&program, &scene, &phases, near())
-            .iter()
-            .filter(|pair| pair.a == a && pair.b.is_none())
-        {
-            let here = pair.term.bounds()[0].0;
-            let least: &mut Option<f64> = &mut least[pair.node];
-            *least = Some(least.map_or(here, |least| least.min(here)));
-        }
-        (phases[0].steps, least)
-    }
-
-    #[test]
-    fn a_wrist_is_as_near_to_a_table_as_the_handle_of_what_stands_there() {
-        let (steps, least) = demanded("support/reach.toml", "right_wrist_yaw_joint", 0.0);
-        let full = crate::settings::Margins::executable().clearance;
-        // Phases: stand, lean, grasp, lift, set down, release, stand.
-        for (k, may_be_near) in [(1, false), (2, true), (4, true), (6, false)] {
-            let here = least[k * steps + steps / 2].expect("the hand hangs beside the table");
-            let expected = if may_be_near { THROUGH * full } else { full };
-            assert!((here - expected).abs() < 1e-12, "phase {k}: {here}");
-        }
-    }
-
-    #[test]
-    fn no_more_is_demanded_than_a_row_can_say() {
-        let (_, least) = demanded("support/reach.toml", "right_wrist_yaw_joint", 0.5);
-        let most = least.into_iter().flatten().fold(0.0, f64::max);
-        assert!((most - MOST_CLEARANCE).abs() < 1e-12, "{most}");
-    }
+/// What the row of a body, covered by `balls`, and a primitive says in a configuration [m].
+fn distance_at((a, balls): (usize, &[Ball]), primitive: &Primitive, at: &Kinematics) -> f64 {
+    let obstacle = primitive.obstacle.clone();
+    let row = Distance::new(balls.to_vec(), obstacle, Pose::identity(), 0.0);
+    value(&row, &primitive.pose_of_joint(at, a))
 }
+
+/// Points on edges of static bodies, in the world, against a box of an object; `demanded` makes what a row says in a
+/// configuration a clearance.
+fn edge_row(
+    (a, own): (usize, &Primitive),
+    points: &[Ball],
+    demanded: &dyn Fn(Says<'_>) -> f64,
+) -> Inverse<Distance> {
+    let row = |clearance: f64| {
+        let (balls, obstacle) = (points.to_vec(), own.obstacle.clone());
+        Inverse(Distance::new(balls, obstacle, own.from_body, clearance))
+    };
+    let free = row(0.0);
+    let clearance = demanded(&|kinematics| value(&free, &kinematics.world_from_joint[a]));
+    row(clearance.min(MOST_OF_EDGES))
+}
+
+/// What a row says [m].
+fn value(row: &dyn PoseTerm, b_from_a: &Pose) -> f64 {
+    let mut value = [f64::NAN];
+    row.values(b_from_a, &mut value);
+    value[0]
+}
+
+#[cfg(test)]
+mod tests;

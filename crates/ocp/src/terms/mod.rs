@@ -12,6 +12,7 @@ pub mod grasp;
 pub mod half_space;
 pub mod heading;
 pub mod height;
+pub mod inverse;
 pub mod obstacle;
 pub mod place;
 pub mod point_friction;

@@ -11,6 +11,7 @@ use super::{
     half_space::HalfSpace,
     heading::Heading,
     height::{Beyond, Height},
+    inverse::Inverse,
     place::Place,
     point_friction::PointFriction,
     pressure::Pressure,
@@ -40,6 +41,7 @@ pub fn pose_terms() -> Vec<Box<dyn PoseTerm>> {
     };
     vec![
         Box::new(Height),
+        Box::new(Inverse(distance(Obstacle::Box(half)))),
         Box::new(Beyond {
             points: vec![Vector3::new(0.1, -0.05, 0.0), Vector3::zeros()],
         }),

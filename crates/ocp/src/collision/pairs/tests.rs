@@ -1,0 +1,159 @@
+use super::super::samples::{Sequence, scene};
+use super::*;
+use crate::motion::Planner;
+use crate::settings::Settings;
+
+#[test]
+fn links_that_are_near_one_another_at_the_start_may_stay_as_near() {
+    let mut scene = scene("");
+    let named = |j: &multibody::Joint| j.name == "left_shoulder_roll_joint";
+    let roll = scene
+        .robot
+        .model
+        .joints
+        .iter()
+        .find(|j| named(j))
+        .unwrap()
+        .idx_q;
+    let mut nearest = f64::INFINITY;
+    while nearest > 0.003 {
+        scene.start[roll] -= 0.01;
+        let planner = Planner::new(&scene).unwrap();
+        let model = &planner.system.model;
+        let mut kinematics = Kinematics::new(model);
+        kinematics.update(model, &planner.system.start(&scene));
+        for pair in &planner.collisions.self_pairs {
+            let row = planner.collisions.row_of_links(&kinematics, pair.a, pair.b);
+            for wish in [0.015, -BLUR] {
+                assert!(pair.clearance(wish) < row, "{pair:?}: {row}");
+            }
+            nearest = nearest.min(row);
+        }
+    }
+}
+
+#[test]
+fn a_foot_that_stands_near_a_wall_need_not_get_away_from_it() {
+    // The tip of the left sole is 12 mm before the wall, which is low enough for the other links.
+    let wall = "[[static]]\nname = \"wall\"\nsize = [0.02, 0.4, 0.03]\nposition = [0.131, 0.2, 0.015]\ntop = false";
+    let scene = scene(wall);
+    let planner = Planner::new(&scene).unwrap();
+    let standing = Phase {
+        state: scene.start_state(),
+        steps: 8,
+    };
+    let mut lifted = standing.clone();
+    let left = scene.interface_id("left_foot").unwrap();
+    lifted.state = standing.state.iter().filter(|c| c.a != left).collect();
+    let phases = [standing, lifted];
+    let start = planner.system.start(&scene);
+    let nodes = vec![start; 17];
+    let none = ExtraClearance::new();
+    let settings = Settings::new(Preset::Default, &scene.optimiser);
+    let near = || Clearances::Near {
+        nodes: &nodes,
+        extra: &none,
+    };
+    let program = planner.program(&phases, &settings, Grid::Motion, near());
+    let pairs = planner.collisions.pairs(&program, &scene, &phases, near());
+    let mut kinematics = Kinematics::new(&planner.system.model);
+    kinematics.update(&planner.system.model, &nodes[0]);
+    let (mut near_wall, mut later) = (0, 0);
+    for pair in pairs
+        .iter()
+        .filter(|p| p.b.is_none() && planner.collisions.feet[p.a])
+    {
+        let mut value = [f64::NAN];
+        pair.term
+            .values(&kinematics.world_from_joint[pair.a], &mut value);
+        let demanded = pair.term.bounds()[0].0;
+        if pair.node <= 8 {
+            near_wall += usize::from(value[0] < settings.margins.swing);
+            assert!(
+                demanded < value[0],
+                "node {}: {demanded} of {value:?}",
+                pair.node
+            );
+        } else {
+            later += usize::from(demanded > value[0]);
+        }
+    }
+    assert!(near_wall > 0 && later > 0, "{near_wall} {later}");
+}
+
+/// The demanded clearance of a joint and static bodies, the least at each node of a sequence of the repository at its start.
+fn demanded(name: &str, joint: &str, extra: f64) -> (usize, Vec<Option<f64>>) {
+    let Sequence { scene, phases } = Sequence::load(name);
+    let planner = Planner::new(&scene).unwrap();
+    let n = phases.iter().map(|p| p.steps).sum::<usize>();
+    let nodes = vec![planner.system.start(&scene); n + 1];
+    let joints = &planner.system.model.joints;
+    let a = joints.iter().position(|j| j.name == joint).unwrap();
+    let mut more = ExtraClearance::new();
+    for node in 0..=n {
+        more.extend((0..scene.statics.len()).map(|s| ((node, a, Err(s)), extra)));
+    }
+    let settings = Settings::new(Preset::Default, &scene.optimiser);
+    let near = || Clearances::Near {
+        nodes: &nodes,
+        extra: &more,
+    };
+    let program = planner.program(&phases, &settings, Grid::Motion, near());
+    let mut least = vec![None; n + 1];
+    for pair in planner
+        .collisions
+        .pairs(&program, &scene, &phases, near())
+        .iter()
+        .filter(|pair| pair.a == a && pair.b.is_none())
+    {
+        let here = pair.term.bounds()[0].0;
+        let least: &mut Option<f64> = &mut least[pair.node];
+        *least = Some(least.map_or(here, |least| least.min(here)));
+    }
+    (phases[0].steps, least)
+}
+
+#[test]
+fn a_wrist_is_as_near_to_a_table_as_the_handle_of_what_stands_there() {
+    let (steps, least) = demanded("support/reach.toml", "right_wrist_yaw_joint", 0.0);
+    let full = crate::settings::Margins::executable().clearance;
+    // Phases: stand, lean, grasp, lift, set down, release, stand.
+    for (k, may_be_near) in [(1, false), (2, true), (4, true), (6, false)] {
+        let here = least[k * steps + steps / 2].expect("the hand hangs beside the table");
+        let expected = if may_be_near { THROUGH * full } else { full };
+        assert!((here - expected).abs() < 1e-12, "phase {k}: {here}");
+    }
+}
+
+#[test]
+fn no_more_is_demanded_than_a_row_can_say() {
+    let (_, least) = demanded("support/reach.toml", "right_wrist_yaw_joint", 0.5);
+    let most = least.into_iter().flatten().fold(0.0, f64::max);
+    assert!((most - MOST_CLEARANCE).abs() < 1e-12, "{most}");
+}
+
+#[test]
+fn a_board_is_seen_where_it_enters_the_side_of_a_box_between_its_corners() {
+    // The edge of the board is 5 cm beside the box, at half of its height, until the box is moved there.
+    let board = "[[object]]\nname = \"box\"\nmass = 1.0\nsize = [0.24, 0.24, 0.24]\non = \"ground_top\"\nposition = [0.6, 0.0]\n\
+        [[static]]\nname = \"board\"\nsize = [0.2, 0.6, 0.02]\nposition = [0.87, 0.0, 0.07]";
+    let scene = scene(board);
+    let planner = Planner::new(&scene).unwrap();
+    let (system, collisions) = (&planner.system, &planner.collisions);
+    let a = system.object_joint(0);
+    let is_board = |p: &&Primitive| p.body.is_some() && matches!(p.obstacle, Obstacle::Box(_));
+    let board = collisions.primitives.iter().find(is_board).unwrap();
+    let mut moved = system.start(&scene);
+    moved[system.model.joints[a].idx_q] += 0.06;
+    let mut kinematics = Kinematics::new(&system.model);
+    kinematics.update(&system.model, &moved);
+    let corners = distance_at((a, &collisions.balls[a]), board, &kinematics);
+    assert!(corners > 0.02, "all corners are outside: {corners}");
+    let own = collisions.own(a).next().unwrap();
+    let (_, edges) = collisions.edges_inside((a, own), board, &[&kinematics]);
+    let row = edge_row((a, own), &edges, &|_| 0.0);
+    let seen = value(&row, &kinematics.world_from_joint[a]);
+    assert!((-0.02..-0.009).contains(&seen), "10 mm inside: {seen}");
+    let (depth, ..) = collisions.deepest(&kinematics, &|_, _| false).unwrap();
+    assert!((depth - 0.01).abs() < 1e-3, "{depth}");
+}

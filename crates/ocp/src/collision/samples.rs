@@ -1,0 +1,40 @@
+//! Scenes and sequences of the repository for tests.
+
+use crate::program::Phase;
+use scene::{Scene, SequenceFile, SequencePhase};
+use std::path::Path;
+
+/// The G1 on the ground, with more in TOML.
+pub fn scene(more: &str) -> Scene {
+    let text = format!(
+        "name = \"s\"\nrobot = \"g1\"\n[[static]]\nname = \"ground\"\nplane = true\n{more}\n[objective]\nkind = \"base_height\"\n"
+    );
+    Scene::from_toml(&text, "s.toml", Path::new(".")).unwrap()
+}
+
+/// A sequence with its scene.
+pub struct Sequence {
+    pub scene: Scene,
+    pub phases: Vec<Phase>,
+}
+
+impl Sequence {
+    /// From a file in the folder of sequences.
+    pub fn load(name: &str) -> Self {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/sequences");
+        let file = SequenceFile::load(folder.join(name)).unwrap();
+        let scene = file.load_scene().unwrap();
+        let phase = |p: &SequencePhase| Phase {
+            state: p.state.clone(),
+            steps: p.steps,
+        };
+        let phases = file
+            .resolve(&scene)
+            .unwrap()
+            .phases
+            .iter()
+            .map(phase)
+            .collect();
+        Self { scene, phases }
+    }
+}
