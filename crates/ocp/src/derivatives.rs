@@ -113,6 +113,9 @@ impl Trajectory {
                 out.hessian[(first + i) * n + first + i] += curvature;
             });
         }
+        let difference = (t, &self.differences[t]);
+        self.passages
+            .derivatives(program, difference, y, &mut s.gradients, out);
         self.force_derivatives(x, t, y, out);
         self.chain_poses(t, out);
     }

@@ -348,7 +348,7 @@ fn rise_in_flight(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::collision::ExtraClearance;
+    use crate::collision::Crossings;
     use crate::motion::{Planner, near};
     use crate::program::Grid;
     use crate::settings::{Preset, Settings};
@@ -398,7 +398,7 @@ mod tests {
         let planner = Planner::new(&scene).unwrap();
         let nodes = vec![planner.system.start(&scene); 5];
         let settings = Settings::new(Preset::Default, &scene.optimiser);
-        let none = ExtraClearance::new();
+        let none = Crossings::new();
         let phases = [phase(beside), phase(on_it)];
         let program = planner.program(&phases, &settings, Grid::Motion, near(&nodes, &none));
         let point = point(&program, &scene, nodes);

@@ -12,7 +12,7 @@
 //!
 //! Source: formulation, section 5.
 
-use crate::collision::{Clearances, ExtraClearance, Watched};
+use crate::collision::{Clearances, Crossings, Watched};
 use crate::guess;
 use crate::motion::{Planner, Worst, near, report_at, worst_row};
 use crate::problem::Trajectory;
@@ -463,7 +463,7 @@ impl<'a> Ask<'a> {
 
     /// With the preset `paper` the penalties of what is near the guess make it avoid obstacles.
     fn first_program(&self, nodes: &[Vec<f64>], watched: &Watched) -> Program {
-        let none = ExtraClearance::new();
+        let none = Crossings::new();
         let clearances = if self.settings.preset == Preset::Paper && self.grid != Grid::State {
             near(nodes, &none)
         } else {

@@ -16,6 +16,7 @@ mod momentum;
 pub mod motion;
 mod objective;
 mod pace;
+mod passages;
 mod path;
 mod point;
 mod problem;

@@ -1,6 +1,6 @@
 //! From keyframes to a motion: trajectory, repair of missed collision pairs and of collisions between nodes.
 
-use crate::collision::{Clearances, CollisionModel, ExtraClearance};
+use crate::collision::{Clearances, CollisionModel, Crossings};
 use crate::guess;
 use crate::point::Point;
 use crate::problem::Trajectory;
@@ -13,10 +13,8 @@ use solver::{
     ElementData, InteriorPoint, Iteration, Options, Problem, Report, Status, Structure, Timing,
 };
 
-/// Rounds of solving with more collision pairs or more clearance.
+/// Rounds of solving with more rows for what collides.
 const REPAIRS: usize = 4;
-/// Overlap half-way between two nodes that is tolerated [m].
-const BETWEEN_TOLERANCE: f64 = 0.002;
 /// Violation of a clearance that had no row which is tolerated [m]: a small part of every margin.
 pub(crate) const NEW_TOLERANCE: f64 = 1e-3;
 /// The same after the last round [m]: less than half of every margin, which a finer grid regains.
@@ -30,9 +28,10 @@ const REPAIR_PUSH: f64 = 1e-4;
 const FINER_BARRIER: f64 = 0.1;
 const FINEST_BARRIER: f64 = 0.01;
 const FINER_PUSH: f64 = 1e-3;
-/// Largest violation of a solution (scaled rows).
-const SOLVED: f64 = 1e-6;
-/// Iterations that stand still within ten times that (a tenth of what the checker allows) before they count as one.
+/// Largest violation of a solution (scaled rows): a tenth of what the checker allows. The last digits of coarse motions cost up to
+/// twenty iterations, and a finer grid starts anew.
+const SOLVED: f64 = 1e-5;
+/// Iterations that stand still with no more violation than that before they count as one, whatever the other conditions.
 const STILL_ITERATIONS: usize = 10;
 /// Complementarity products and dual residual at the solution of a barrier problem: the products come to about the barrier
 /// parameter, and the last Newton steps, which make the rows hold, leave far smaller residuals.
@@ -227,7 +226,7 @@ impl<'a> Planner<'a> {
         observe: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Motion {
         let nodes = self.guide(phases, settings, keyframes);
-        let none = ExtraClearance::new();
+        let none = Crossings::new();
         let program = self.program(phases, settings, Grid::Motion, near(&nodes, &none));
         let point = guess::point(&program, self.scene, nodes);
         self.optimise(phases, program, point, First::cold(), observe)
@@ -256,7 +255,7 @@ impl<'a> Planner<'a> {
         relative: &Motion,
         observe: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Motion {
-        let none = ExtraClearance::new();
+        let none = Crossings::new();
         let mut point = relative.point.clone();
         let program = self.program(phases, settings, Grid::Motion, near(&point.nodes, &none));
         let intervals = program.intervals.iter();
@@ -274,7 +273,7 @@ impl<'a> Planner<'a> {
     /// A motion that is known: values at its point, no multipliers. Whether it is feasible is judged with the clearances that
     /// its nodes come near.
     pub fn restore(&self, phases: &[Phase], settings: &Settings, point: Point) -> Motion {
-        let none = ExtraClearance::new();
+        let none = Crossings::new();
         let program = self.program(phases, settings, Grid::Motion, near(&point.nodes, &none));
         let mut trajectory = Trajectory::new(program);
         let report = report_at(&mut trajectory, &point);
@@ -283,7 +282,7 @@ impl<'a> Planner<'a> {
         Motion::new(trajectory, point, report, Work::default(), feasible, worst)
     }
 
-    /// Solves a program, again with more collision pairs or clearance where the motion collides.
+    /// Solves a program, again with more rows where the motion collides, at nodes or between them.
     pub(crate) fn optimise(
         &self,
         phases: &[Phase],
@@ -293,7 +292,7 @@ impl<'a> Planner<'a> {
         observe: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Motion {
         let settings = &program.settings.clone();
-        let mut extra = ExtraClearance::new();
+        let mut crossings = Crossings::new();
         let mut work = Work::default();
         for round in 0.. {
             let mut trajectory = Trajectory::new(program);
@@ -313,14 +312,19 @@ impl<'a> Planner<'a> {
             let solved = nearly || report.violation <= SOLVED;
             if solved && report.status != Status::Interrupted && round < REPAIRS {
                 let between = settings.between
-                    && self.demand_clearance_between(
+                    && self.collisions.find_crossings(
                         &trajectory.program,
+                        self.scene,
                         phases,
                         &point.nodes,
-                        &mut extra,
+                        &mut crossings,
                     );
-                let again =
-                    self.program(phases, settings, Grid::Motion, near(&point.nodes, &extra));
+                let again = self.program(
+                    phases,
+                    settings,
+                    Grid::Motion,
+                    near(&point.nodes, &crossings),
+                );
                 let new = violation_of(&again, &point);
                 if between || new > NEW_TOLERANCE {
                     let most = first.max_iterations;
@@ -348,32 +352,11 @@ impl<'a> Planner<'a> {
 
     /// The most violated clearance of all that is near at the nodes; `None` if all nearly hold.
     fn missed(&self, phases: &[Phase], settings: &Settings, point: &Point) -> Option<Worst> {
-        let none = ExtraClearance::new();
+        let none = Crossings::new();
         let program = self.program(phases, settings, Grid::Motion, near(&point.nodes, &none));
         let mut trajectory = Trajectory::new(program);
         let report = report_at(&mut trajectory, point);
         worst_row(&trajectory.program, &report, MISSED_TOLERANCE)
-    }
-
-    /// Raises the clearance at both ends of intervals that collide half-way; true if there is one.
-    fn demand_clearance_between(
-        &self,
-        program: &Program,
-        phases: &[Phase],
-        nodes: &[Vec<f64>],
-        extra: &mut ExtraClearance,
-    ) -> bool {
-        let found = self
-            .collisions
-            .between(program, self.scene, phases, nodes, BETWEEN_TOLERANCE);
-        for overlap in &found {
-            // Half-way is the mean of both ends, one of which may be where the bodies touch.
-            let more = (overlap.depth + BETWEEN_TOLERANCE) * 2.0 / overlap.nodes.len() as f64;
-            for &node in &overlap.nodes {
-                *extra.entry((node, overlap.a, overlap.other)).or_default() += more;
-            }
-        }
-        !found.is_empty()
     }
 
     pub(crate) fn program(
@@ -395,9 +378,9 @@ impl<'a> Planner<'a> {
     }
 }
 
-/// The pairs that come near at these configurations.
-pub(crate) fn near<'a>(nodes: &'a [Vec<f64>], extra: &'a ExtraClearance) -> Clearances<'a> {
-    Clearances::Near { nodes, extra }
+/// The pairs that come near at these configurations, or cross one another between them.
+pub(crate) fn near<'a>(nodes: &'a [Vec<f64>], crossings: &'a Crossings) -> Clearances<'a> {
+    Clearances::Near { nodes, crossings }
 }
 
 /// Largest violation of a program's rows at a point (scaled).

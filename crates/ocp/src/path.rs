@@ -1,7 +1,7 @@
 //! A path between keyframes: configurations that keep clear of everything and approach contacts along their normals, no
 //! dynamics. It decides on which side of an obstacle a hand passes, which a motion cannot change any more.
 
-use crate::collision::ExtraClearance;
+use crate::collision::Crossings;
 use crate::guess;
 use crate::keyframes::KEYFRAME_TOLERANCE;
 use crate::motion::{NEW_TOLERANCE, Planner, near, violation_of};
@@ -39,7 +39,7 @@ impl Planner<'_> {
 
     /// A path from straight lines between keyframes.
     fn path(&self, coarse: &[Phase], settings: &Settings, nodes: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
-        let none = ExtraClearance::new();
+        let none = Crossings::new();
         let mut program = self.program(coarse, settings, Grid::Path, near(&nodes, &none));
         let mut point = guess::point(&program, self.scene, nodes);
         let options = Options {

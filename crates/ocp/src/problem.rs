@@ -8,6 +8,7 @@ use crate::derivatives::PoseSum;
 use crate::difference::Difference;
 use crate::evaluated::Evaluated;
 use crate::momentum::{Context, Momentum};
+use crate::passages::Passages;
 use crate::point::Point;
 use crate::program::{Grid, Program};
 use crate::relative::Relative;
@@ -51,6 +52,7 @@ pub struct Trajectory {
     pub program: Program,
     pub(crate) nodes: Vec<NodeState>,
     pub(crate) differences: Vec<Difference>,
+    pub(crate) passages: Passages,
     pub(crate) scratch: Scratch,
     /// Scratch of the two nodes of an interval, one per relative pose.
     pub(crate) pose_sums: [Vec<PoseSum>; 2],
@@ -105,6 +107,7 @@ impl Trajectory {
         Self {
             evaluated: Evaluated::new(&program),
             pose_sums: [pose_sums.clone(), pose_sums],
+            passages: Passages::new(&program),
             program,
             nodes,
             differences,
@@ -130,6 +133,7 @@ impl Trajectory {
                 .model
                 .difference_into(&x.nodes[t], &x.nodes[t + 1], &mut difference.xi);
         }
+        self.passages.update(program, x, &self.differences);
     }
 
     /// Interval length [s].
@@ -317,6 +321,7 @@ impl Trajectory {
                 term.term.values_near(pose, values, nearest);
             }
         }
+        self.passages.values(interval, t, &mut out.values);
         out.objective = self.interval_costs(x, t).sum;
     }
 }

@@ -3,7 +3,7 @@
 //! The coarse motion is for search: explicit Euler with steps of a tenth of a second moves the joints by what a robot
 //! cannot follow. The refined one has steps of at most [`Refinement::max_step`] and holds the acceleration within each.
 
-use crate::collision::ExtraClearance;
+use crate::collision::Crossings;
 use crate::guess::Curve;
 use crate::motion::{First, Motion, Planner, near};
 use crate::point::Point;
@@ -107,7 +107,7 @@ impl Planner<'_> {
             },
             ..settings.clone()
         };
-        let none = ExtraClearance::new();
+        let none = Crossings::new();
         let program = self.program(&finer, &settings, Grid::Motion, near(&nodes, &none));
         if !program.has_velocities() {
             let first = nodes[0].clone();

@@ -5,7 +5,7 @@
 //! planned anew, since it leads elsewhere: keyframes from its first configuration, a path, the first guess for the rest. If
 //! all phases are shared, the multipliers are kept too, which makes a smaller first barrier parameter pay.
 
-use crate::collision::ExtraClearance;
+use crate::collision::Crossings;
 use crate::guess;
 use crate::keyframes::Ask;
 use crate::motion::{First, Motion, Planner, near};
@@ -163,7 +163,7 @@ impl Planner<'_> {
             nodes.truncate(n);
             nodes.extend(rest);
         }
-        let none = ExtraClearance::new();
+        let none = Crossings::new();
         let program = self.program(phases, settings, Grid::Motion, near(&nodes, &none));
         let mut point = guess::point(&program, self.scene, nodes);
         relative.fill(kept, &mut point);

@@ -21,7 +21,7 @@ pub(super) fn group(category: &str) -> &'static str {
         "joint velocity" => "joint velocity",
         "joint range" => "joint range",
         "contact force" | "grasp strength" | "centre of pressure" => "contact force",
-        "clearance" => "clearance",
+        "clearance" | "clearance between nodes" => "clearance",
         "goal region" | "goal orientation" => "goal",
         "phase duration" => "duration",
         "equations of motion" | "momentum" => "dynamics",

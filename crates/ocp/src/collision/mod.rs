@@ -7,15 +7,17 @@
 mod cover;
 mod edges;
 mod pairs;
+mod passages;
 #[cfg(test)]
-mod samples;
+pub(crate) mod samples;
 mod shared;
 mod watch;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use cover::{corners, cover, parts};
-pub use pairs::Pair;
+pub use pairs::{Pair, Place};
+pub use passages::{Crossing, Crossings};
 pub use watch::Watched;
 
 use crate::program::{Grid, Phase, Program};
@@ -44,34 +46,18 @@ const NEIGHBOURS: usize = 2;
 /// The body that a ball avoids: a joint, or a static body.
 pub type Other = Result<usize, usize>;
 
-/// More clearance for a pair at a node [m], where the way between two nodes would collide.
-pub type ExtraClearance = BTreeMap<(usize, usize, Other), f64>;
-
 /// What decides which pairs of bodies get clearance rows.
 #[derive(Debug, Clone, Copy)]
 pub enum Clearances<'a> {
-    /// Those that come near in one configuration per node, some with more clearance.
+    /// Those that come near in one configuration per node, or cross one another on the way between two.
     Near {
         /// Configurations of the system.
         nodes: &'a [Vec<f64>],
-        /// More clearance.
-        extra: &'a ExtraClearance,
+        /// Where they cross.
+        crossings: &'a Crossings,
     },
     /// Those that an earlier solution has violated.
     Watched(&'a Watched),
-}
-
-/// Bodies that are deeper in one another half-way between two nodes than at them.
-#[derive(Debug, Clone)]
-pub struct Overlap {
-    /// Those of the two nodes at which they do not touch.
-    pub nodes: Vec<usize>,
-    /// Joint of the first one.
-    pub a: usize,
-    /// The second one.
-    pub other: Other,
-    /// By how much deeper [m].
-    pub depth: f64,
 }
 
 /// A primitive that balls avoid.
@@ -99,6 +85,14 @@ impl SelfPair {
 }
 
 impl Primitive {
+    /// Is it one of this body.
+    fn is_of(&self, body: Other) -> bool {
+        match body {
+            Ok(joint) => self.joint == Some(joint),
+            Err(body) => self.body == Some(body),
+        }
+    }
+
     /// Pose of a joint in the primitive's frame.
     fn pose_of_joint(&self, kinematics: &Kinematics, a: usize) -> Pose {
         let body_from_a = match self.joint {
@@ -307,62 +301,6 @@ impl CollisionModel {
                 let interface = |i: symbolic::InterfaceId| &scene.interfaces[i.0];
                 let (a, b) = (interface(contact.a), interface(contact.b));
                 out.extend(touches(&program.system, a, b));
-            }
-        }
-        out
-    }
-
-    /// Overlaps that are deeper, by more than `tolerance`, half-way between neighbouring nodes than at them. Bodies that
-    /// touch at one of the nodes alone, where they part or meet, are no exception: what lands comes from outside.
-    pub fn between(
-        &self,
-        program: &Program,
-        scene: &Scene,
-        phases: &[Phase],
-        nodes: &[Vec<f64>],
-        tolerance: f64,
-    ) -> Vec<Overlap> {
-        let model = &program.system.model;
-        let mut kinematics = Kinematics::new(model);
-        let mut overlaps = |q: &[f64], touching: &BTreeSet<Touch>| {
-            kinematics.update(model, q);
-            let mut found = BTreeMap::new();
-            self.overlaps(
-                &kinematics,
-                &|a, b| touching.contains(&(a, b)),
-                &mut |depth, a, other| {
-                    let deepest = found.entry((a, other)).or_insert(f64::NEG_INFINITY);
-                    *deepest = depth.max(*deepest);
-                },
-            );
-            found
-        };
-        let touching = |t: usize| Self::touching(scene, program, phases, t);
-        let mut out = Vec::new();
-        for t in 0..program.n_intervals() {
-            let difference = model.difference(&nodes[t], &nodes[t + 1]);
-            let half: Vec<f64> = difference.iter().map(|d| 0.5 * d).collect();
-            let touch_here = [touching(t), touching(t + 1)];
-            let both = &touch_here[0] & &touch_here[1];
-            let between = overlaps(&model.integrate(&nodes[t], &half), &both);
-            if between.values().all(|&depth| depth <= tolerance) {
-                continue;
-            }
-            let ends = [t, t + 1].map(|node| overlaps(&nodes[node], &both));
-            for (&(a, other), &depth) in &between {
-                // At the nodes rows say how deep bodies that just touched may be in one another.
-                let at_ends = ends.iter().filter_map(|end| end.get(&(a, other)));
-                let depth = depth - at_ends.fold(0.0, |most: f64, &end| most.max(end));
-                if depth > tolerance {
-                    let free = |i: usize| !touch_here[i].contains(&(a, other));
-                    let nodes = (0..2).filter(|&i| free(i)).map(|i| t + i).collect();
-                    out.push(Overlap {
-                        nodes,
-                        a,
-                        other,
-                        depth,
-                    });
-                }
             }
         }
         out

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::edges;
 use super::shared::Shared;
-use super::{Ball, Clearances, CollisionModel, ExtraClearance, Other, Primitive, SelfPair, Touch};
+use super::{Ball, Clearances, CollisionModel, Crossings, Other, Primitive, SelfPair, Touch};
 use crate::program::{Grid, Phase, Program, landing};
 use crate::settings::Preset;
 use crate::terms::PoseTerm;
@@ -43,13 +43,27 @@ const FROM_START: f64 = 6.0;
 const SIGMOID_SLOPE: f64 = 40.0;
 
 /// What a row says in a configuration [m].
-type Says<'a> = &'a dyn Fn(&Kinematics) -> f64;
+pub(super) type Says<'a> = &'a dyn Fn(&Kinematics) -> f64;
 
-/// One pair that gets rows (or a penalty) at a node.
+/// Where a pair gets rows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Place {
+    /// At a node.
+    Node(usize),
+    /// On the way from a node to the next one.
+    Way {
+        /// The first node.
+        interval: usize,
+        /// Share of the way.
+        share: f64,
+    },
+}
+
+/// One pair that gets rows (or a penalty).
 #[derive(Debug, Clone)]
 pub struct Pair {
-    /// Node.
-    pub node: usize,
+    /// Where.
+    pub place: Place,
     /// Joint that carries the balls.
     pub a: usize,
     /// Joint that carries the obstacle; `None` for the world.
@@ -96,8 +110,8 @@ impl CollisionModel {
         clearances: Clearances<'_>,
     ) -> Vec<Pair> {
         match clearances {
-            Clearances::Near { nodes, extra } => {
-                self.near_pairs(program, scene, phases, nodes, extra)
+            Clearances::Near { nodes, crossings } => {
+                self.near_pairs(program, scene, phases, nodes, crossings)
             }
             Clearances::Watched(watched) => self.watched_pairs(program, watched),
         }
@@ -110,7 +124,7 @@ impl CollisionModel {
         scene: &Scene,
         phases: &[Phase],
         near: &[Vec<f64>],
-        extra: &ExtraClearance,
+        crossings: &Crossings,
     ) -> Vec<Pair> {
         let model = &program.system.model;
         let kinematics: Vec<Kinematics> = near
@@ -180,13 +194,20 @@ impl CollisionModel {
                     .map(|left| along[t] - left)
                     .collect::<Vec<_>>(),
             };
-            self.obstacle_pairs(program, &at, extra, &mut shared, &mut out);
+            self.obstacle_pairs(program, &at, &mut shared, &mut out);
             if program.settings.preset == Preset::Default {
                 self.link_pairs(program, &at, &mut shared, &mut out);
             } else {
                 self.link_penalties(&at, &mut out);
             }
         }
+        self.crossing_pairs(
+            program,
+            (near, &kinematics),
+            crossings,
+            &mut shared,
+            &mut out,
+        );
         out
     }
 
@@ -213,7 +234,6 @@ impl CollisionModel {
         &self,
         program: &Program,
         at: &At<'_>,
-        extra: &ExtraClearance,
         shared: &mut Shared,
         out: &mut Vec<Pair>,
     ) {
@@ -229,44 +249,57 @@ impl CollisionModel {
                 if at.touches(a, other) {
                     continue;
                 }
-                let (obstacle, obstacle_from_b) = (primitive.obstacle.clone(), primitive.from_body);
-                let mut push = |term: Arc<dyn PoseTerm>| {
-                    let (node, b) = (at.node, primitive.joint);
-                    out.push(Pair { node, a, b, term });
+                let place = Place::Node(at.node);
+                let mut push = |b: Option<usize>, term: Arc<dyn PoseTerm>| {
+                    out.push(Pair { place, a, b, term });
                 };
                 if paper {
                     // The paper penalises end-effectors, objects and large boxes, not every link.
                     let points = [&self.points[a][..], &self.link_points[a]].concat();
                     if !points.is_empty() {
-                        push(Arc::new(Sigmoid {
+                        let penalty = Sigmoid {
                             points,
-                            obstacle,
-                            obstacle_from_b,
+                            obstacle: primitive.obstacle.clone(),
+                            obstacle_from_b: primitive.from_body,
                             slope: SIGMOID_SLOPE,
-                        }));
+                        };
+                        push(primitive.joint, Arc::new(penalty));
                     }
                     continue;
                 }
-                let more = extra.get(&(at.node, a, other)).copied().unwrap_or(0.0);
                 let demanded = |says: Says<'_>| {
                     let clearance = self.clearance(program, (a, says), primitive, other, at);
-                    (clearance + more).min(MOST_CLEARANCE)
+                    clearance.min(MOST_CLEARANCE)
                 };
-                let mut balls = self.balls_near(a, primitive, at.window);
-                for own in self.own(a) {
-                    let (of_own, of_other) = self.edges_inside((a, own), primitive, at.window);
-                    balls.extend(of_own);
-                    if !of_other.is_empty() {
-                        push(Arc::new(edge_row((a, own), &of_other, &demanded)));
-                    }
-                }
-                if !balls.is_empty() {
-                    let clearance = demanded(&|k| distance_at((a, &balls), primitive, k));
-                    let shapes = (balls, obstacle);
-                    let row = shared.row((a, Some(index)), shapes, obstacle_from_b, clearance);
-                    push(Arc::new(row));
-                }
+                self.obstacle_rows((a, index, at.window), &demanded, shared, &mut push);
             }
+        }
+    }
+
+    /// Rows of a body and what comes near it of a primitive in any of the configurations: corners and balls, and edges that are
+    /// inside; `push` takes the joint that carries the obstacle, and the row.
+    pub(super) fn obstacle_rows(
+        &self,
+        (a, index, window): (usize, usize, &[&Kinematics]),
+        demanded: &dyn Fn(Says<'_>) -> f64,
+        shared: &mut Shared,
+        push: &mut dyn FnMut(Option<usize>, Arc<dyn PoseTerm>),
+    ) {
+        let primitive = &self.primitives[index];
+        let mut balls = self.balls_near(a, primitive, window);
+        for own in self.own(a) {
+            let (of_own, of_other) = self.edges_inside((a, own), primitive, window);
+            balls.extend(of_own);
+            if !of_other.is_empty() {
+                let row = edge_row((a, own), &of_other, demanded);
+                push(primitive.joint, Arc::new(row));
+            }
+        }
+        if !balls.is_empty() {
+            let clearance = demanded(&|k| distance_at((a, &balls), primitive, k));
+            let shapes = (balls, primitive.obstacle.clone());
+            let row = shared.row((a, Some(index)), shapes, primitive.from_body, clearance);
+            push(primitive.joint, Arc::new(row));
         }
     }
 
@@ -394,7 +427,7 @@ impl CollisionModel {
                         continue;
                     }
                     out.push(Pair {
-                        node: at.node,
+                        place: Place::Node(at.node),
                         a,
                         b: Some(b),
                         term: Arc::new(Sigmoid {
@@ -412,26 +445,37 @@ impl CollisionModel {
     /// Links of the robot against one another.
     fn link_pairs(&self, program: &Program, at: &At<'_>, shared: &mut Shared, out: &mut Vec<Pair>) {
         for (index, pair) in self.self_pairs.iter().enumerate() {
-            let (near_a, near_b) = self.balls_near_link(pair, at.window);
-            if near_a.is_empty() {
-                continue;
-            }
-            let clearance = match program.grid {
-                Grid::Keyframes | Grid::OpenKeyframes | Grid::State => pair.clearance(-BLUR),
-                _ => pair.clearance(program.settings.margins.self_clearance),
+            let wish = match program.grid {
+                Grid::Keyframes | Grid::OpenKeyframes | Grid::State => -BLUR,
+                _ => program.settings.margins.self_clearance,
             };
-            out.push(Pair {
-                node: at.node,
+            let demanded = |_: Says<'_>| pair.clearance(wish);
+            let row = self.link_row((index, pair), at.window, &demanded, shared);
+            out.extend(row.map(|term| Pair {
+                place: Place::Node(at.node),
                 a: pair.a,
                 b: Some(pair.b),
-                term: Arc::new(shared.row(
-                    (index, None),
-                    (near_a, Obstacle::Parts(near_b)),
-                    Pose::identity(),
-                    clearance,
-                )),
-            });
+                term,
+            }));
         }
+    }
+
+    /// Row of two links, if they come near one another in any of the configurations.
+    pub(super) fn link_row(
+        &self,
+        (index, pair): (usize, &SelfPair),
+        window: &[&Kinematics],
+        demanded: &dyn Fn(Says<'_>) -> f64,
+        shared: &mut Shared,
+    ) -> Option<Arc<dyn PoseTerm>> {
+        let (near_a, near_b) = self.balls_near_link(pair, window);
+        if near_a.is_empty() {
+            return None;
+        }
+        let clearance = demanded(&|k| self.row_of_links(k, pair.a, pair.b));
+        let shapes = (near_a, Obstacle::Parts(near_b));
+        let row = shared.row((index, None), shapes, Pose::identity(), clearance);
+        Some(Arc::new(row))
     }
 
     /// Balls of one link and parts of another that come near one another in any of the configurations.

@@ -18,19 +18,38 @@ fn a_foot_that_lands_through_the_edge_of_a_block_collides_before_it_lands() {
     let landing = 16;
     let mut nodes = vec![keyframes.nodes[0].clone(); landing];
     nodes.resize(41, keyframes.nodes[2].clone());
-    let none = ExtraClearance::new();
-    let program = planner.program(&phases, &settings, Grid::Motion, near(&nodes, &none));
-    let found = planner
-        .collisions
-        .between(&program, &scene, &phases, &nodes, 0.002);
+    let mut crossings = Crossings::new();
+    let program = planner.program(&phases, &settings, Grid::Motion, near(&nodes, &crossings));
+    let found =
+        planner
+            .collisions
+            .find_crossings(&program, &scene, &phases, &nodes, &mut crossings);
+    assert!(found);
     let (swings, stands) = (&phases[1].state.contacts, &phases[2].state.contacts);
     let foot = stands.iter().find(|c| !swings.contains(c)).unwrap();
     let Owner::Robot { frame } = scene.interfaces[foot.a.0].owner else {
         panic!("a foot is the robot's");
     };
     let joint = planner.system.model.frames[frame].joint.unwrap();
-    let before_it_lands = |o: &&Overlap| o.a == joint && o.nodes == [landing - 1];
-    let mut of_foot = found.iter().filter(before_it_lands);
-    let overlap = of_foot.next().expect("the foot comes through the edge");
-    assert!(overlap.depth > 0.01, "{overlap:?}");
+    let of_foot = |&(&(t, a, _), _): &(&(usize, usize, Other), _)| (t, a) == (landing - 1, joint);
+    let mut of_foot = crossings.iter().filter(of_foot);
+    let ((.., other), places) = of_foot.next().expect("the foot comes through the edge");
+    assert!(places[0].depth > 0.01, "{places:?}");
+    // Rows there say so, and demand that it be otherwise.
+    let program = planner.program(&phases, &settings, Grid::Motion, near(&nodes, &crossings));
+    let passages = &program.intervals[landing - 1].passages;
+    assert!(!passages.is_empty(), "{other:?}");
+    let point = crate::guess::point(&program, &scene, nodes);
+    let mut trajectory = crate::problem::Trajectory::new(program);
+    let report = crate::motion::report_at(&mut trajectory, &point);
+    let worst = |category: &str| {
+        let mut out = f64::INFINITY;
+        for (row, label) in trajectory.program.labels.iter().enumerate() {
+            if label.category == category {
+                out = out.min(report.rows[row]);
+            }
+        }
+        out
+    };
+    assert!(worst("clearance between nodes") < -0.01);
 }

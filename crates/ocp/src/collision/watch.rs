@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::pairs::BLUR;
-use super::{Ball, CollisionModel, Other, Pair, Part, Primitive, SelfPair, Touch, touches};
+use super::{Ball, CollisionModel, Other, Pair, Part, Place, Primitive, SelfPair, Touch, touches};
 use crate::program::{Grid, Phase, Program};
 use crate::system::System;
 use crate::terms::PoseTerm;
@@ -189,7 +189,7 @@ impl CollisionModel {
         let pair = |&(node, index): &(usize, usize)| {
             let row = &self.rows[index];
             Pair {
-                node,
+                place: Place::Node(node),
                 a: row.a,
                 b: row.b,
                 term: row.term.clone(),

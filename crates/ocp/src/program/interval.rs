@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::NodeTerm;
 use crate::terms::{ForceTerm, place::Place};
 use crate::torque_speed::TorqueSpeedRows;
 use symbolic::Contact;
@@ -55,6 +56,17 @@ pub struct Touch {
     pub first_row: usize,
     /// Block within the element: increments of node t, then its velocities.
     pub block: usize,
+}
+
+/// A configuration on the way from node t to node t+1, where rows hold as at nodes.
+#[derive(Debug, Clone)]
+pub struct Passage {
+    /// Share of the way, between 0 and 1.
+    pub share: f64,
+    /// Relative frames evaluated here, indices into [`super::Program::frames`].
+    pub frames: Vec<usize>,
+    /// Rows; blocks: increments of nodes t and t+1.
+    pub terms: Vec<NodeTerm>,
 }
 
 /// How a contact acts on the robot's momentum.
@@ -149,6 +161,8 @@ pub struct Interval {
     pub sticks: Vec<Stick>,
     /// Contacts that stick by velocity.
     pub slips: Vec<Slip>,
+    /// Configurations on the way to the next node.
+    pub passages: Vec<Passage>,
     /// Wrenches.
     pub forces: Vec<Force>,
 }

@@ -95,6 +95,13 @@ impl Builder<'_> {
                     .collect();
                 e.blocks[stick.block].cols = cols;
             }
+            for passage in &i.passages {
+                for term in &passage.terms {
+                    let nodes = [i.a, i.b].into_iter().flatten();
+                    let frame = passage.frames[term.slot];
+                    e.blocks[term.block].cols = nodes.flat_map(|first| at(first, frame)).collect();
+                }
+            }
             for touch in &i.touches {
                 let frame = p.nodes[t].frames[touch.slot];
                 let nodes = [i.a, i.velocity].into_iter().flatten();

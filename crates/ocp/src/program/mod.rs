@@ -36,7 +36,9 @@ use solver::Structure;
 use symbolic::ContactState;
 
 pub use goal::goal_body;
-pub use interval::{Force, ForceRows, IntegratorRows, Interval, OnRobot, Slip, Stick, Touch};
+pub use interval::{
+    Force, ForceRows, IntegratorRows, Interval, OnRobot, Passage, Slip, Stick, Touch,
+};
 pub use label::{RowLabel, Subject};
 pub use node::{Node, NodeCost, NodeTerm};
 

@@ -58,12 +58,14 @@ pub struct Node {
 impl Node {
     /// Position of a relative frame in [`Node::frames`], where it is put if it is new.
     pub(super) fn slot(&mut self, frame: usize) -> usize {
-        self.frames
-            .iter()
-            .position(|&f| f == frame)
-            .unwrap_or_else(|| {
-                self.frames.push(frame);
-                self.frames.len() - 1
-            })
+        slot(&mut self.frames, frame)
     }
+}
+
+/// Position of a relative frame among others, to which it is added if it is new.
+pub(super) fn slot(frames: &mut Vec<usize>, frame: usize) -> usize {
+    frames.iter().position(|&f| f == frame).unwrap_or_else(|| {
+        frames.push(frame);
+        frames.len() - 1
+    })
 }

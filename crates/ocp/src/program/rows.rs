@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use super::label::label;
-use super::{Builder, NodeCost, NodeTerm, Phase, RowLabel, Subject};
-use crate::collision::{Clearances, CollisionModel};
+use super::node::slot;
+use super::{Builder, NodeCost, NodeTerm, Passage, Phase, RowLabel, Subject};
+use crate::collision::{Clearances, CollisionModel, Place};
 use crate::objective::CostTerm;
 use crate::settings::Preset;
 use crate::terms::PoseTerm;
@@ -21,10 +22,45 @@ impl Builder<'_> {
         term: Arc<dyn PoseTerm>,
         label: RowLabel,
     ) {
-        let p = &mut self.program;
+        let slot = self.program.nodes[node].slot(frame);
+        let term = self.term_rows(element, slot, term, &label);
+        self.program.nodes[node].terms.push(term);
+    }
+
+    /// Adds rows of a pose term on the way from a node to the next one.
+    fn passage_term(
+        &mut self,
+        (interval, share): (usize, f64),
+        frame: usize,
+        term: Arc<dyn PoseTerm>,
+        label: &RowLabel,
+    ) {
+        let passages = &mut self.program.intervals[interval].passages;
+        let known = passages.iter().position(|p| p.share == share);
+        let passage = known.unwrap_or_else(|| {
+            passages.push(Passage {
+                share,
+                frames: vec![],
+                terms: vec![],
+            });
+            passages.len() - 1
+        });
+        let slot = slot(&mut passages[passage].frames, frame);
+        let term = self.term_rows(interval, slot, term, label);
+        let passages = &mut self.program.intervals[interval].passages;
+        passages[passage].terms.push(term);
+    }
+
+    /// Rows of a pose term, with a block that has no columns yet.
+    fn term_rows(
+        &mut self,
+        element: usize,
+        slot: usize,
+        term: Arc<dyn PoseTerm>,
+        label: &RowLabel,
+    ) -> NodeTerm {
         let bounds = term.bounds();
-        let slot = p.nodes[node].slot(frame);
-        let e = &mut p.structure.elements[element];
+        let e = &mut self.program.structure.elements[element];
         let (first_row, block, n_rows) = (e.n_rows(), e.blocks.len(), bounds.len());
         for (l, u) in bounds {
             e.row_lower.push(l);
@@ -36,13 +72,13 @@ impl Builder<'_> {
             n_rows,
             cols: vec![],
         });
-        p.nodes[node].terms.push(NodeTerm {
+        NodeTerm {
             slot,
             term,
             first_row,
             n_rows,
             block,
-        });
+        }
     }
 
     /// Rows (or, with the preset `paper`, costs) of collision pairs.
@@ -67,18 +103,27 @@ impl Builder<'_> {
                 self.keys.push(key);
                 self.keys.len() - 1
             });
+            let subject = Subject::Pair(pair.a, pair.b);
+            let node = match pair.place {
+                Place::Node(node) => node,
+                Place::Way { interval, share } => {
+                    let label = label("clearance between nodes", subject, 1.0, "m");
+                    self.passage_term((interval, share), frame, pair.term, &label);
+                    continue;
+                }
+            };
             if paper {
-                let slot = self.program.nodes[pair.node].slot(frame);
+                let slot = self.program.nodes[node].slot(frame);
                 let weights = vec![self.program.settings.weights.penalty];
-                self.program.nodes[pair.node].costs.push(NodeCost {
+                self.program.nodes[node].costs.push(NodeCost {
                     slot,
                     term: pair.term,
                     weights,
                     kind: CostTerm::Collision,
                 });
             } else {
-                let label = label("clearance", Subject::Pair(pair.a, pair.b), 1.0, "m");
-                self.node_term(pair.node.min(n - 1), pair.node, frame, pair.term, label);
+                let label = label("clearance", subject, 1.0, "m");
+                self.node_term(node.min(n - 1), node, frame, pair.term, label);
             }
         }
     }

@@ -3,6 +3,14 @@ use super::*;
 use crate::motion::Planner;
 use crate::settings::Settings;
 
+/// The node of a pair without crossings.
+fn node(pair: &Pair) -> usize {
+    match pair.place {
+        Place::Node(node) => node,
+        Place::Way { .. } => panic!("{pair:?}"),
+    }
+}
+
 #[test]
 fn links_that_are_near_one_another_at_the_start_may_stay_as_near() {
     let mut scene = scene("");
@@ -48,11 +56,11 @@ fn a_foot_that_stands_near_a_wall_need_not_get_away_from_it() {
     let phases = [standing, lifted];
     let start = planner.system.start(&scene);
     let nodes = vec![start; 17];
-    let none = ExtraClearance::new();
+    let none = Crossings::new();
     let settings = Settings::new(Preset::Default, &scene.optimiser);
     let near = || Clearances::Near {
         nodes: &nodes,
-        extra: &none,
+        crossings: &none,
     };
     let program = planner.program(&phases, &settings, Grid::Motion, near());
     let pairs = planner.collisions.pairs(&program, &scene, &phases, near());
@@ -67,12 +75,12 @@ fn a_foot_that_stands_near_a_wall_need_not_get_away_from_it() {
         pair.term
             .values(&kinematics.world_from_joint[pair.a], &mut value);
         let demanded = pair.term.bounds()[0].0;
-        if pair.node <= 8 {
+        if node(pair) <= 8 {
             near_wall += usize::from(value[0] < settings.margins.swing);
             assert!(
                 demanded < value[0],
                 "node {}: {demanded} of {value:?}",
-                pair.node
+                node(pair)
             );
         } else {
             later += usize::from(demanded > value[0]);
@@ -81,22 +89,21 @@ fn a_foot_that_stands_near_a_wall_need_not_get_away_from_it() {
     assert!(near_wall > 0 && later > 0, "{near_wall} {later}");
 }
 
-/// The demanded clearance of a joint and static bodies, the least at each node of a sequence of the repository at its start.
-fn demanded(name: &str, joint: &str, extra: f64) -> (usize, Vec<Option<f64>>) {
+/// The demanded clearance of a joint and static bodies, the least at each node of a sequence of the repository at its start,
+/// where `wish` is wanted.
+fn demanded(name: &str, joint: &str, wish: f64) -> (usize, Vec<Option<f64>>) {
     let Sequence { scene, phases } = Sequence::load(name);
     let planner = Planner::new(&scene).unwrap();
     let n = phases.iter().map(|p| p.steps).sum::<usize>();
     let nodes = vec![planner.system.start(&scene); n + 1];
     let joints = &planner.system.model.joints;
     let a = joints.iter().position(|j| j.name == joint).unwrap();
-    let mut more = ExtraClearance::new();
-    for node in 0..=n {
-        more.extend((0..scene.statics.len()).map(|s| ((node, a, Err(s)), extra)));
-    }
-    let settings = Settings::new(Preset::Default, &scene.optimiser);
+    let none = Crossings::new();
+    let mut settings = Settings::new(Preset::Default, &scene.optimiser);
+    settings.margins.clearance = wish;
     let near = || Clearances::Near {
         nodes: &nodes,
-        extra: &more,
+        crossings: &none,
     };
     let program = planner.program(&phases, &settings, Grid::Motion, near());
     let mut least = vec![None; n + 1];
@@ -107,7 +114,7 @@ fn demanded(name: &str, joint: &str, extra: f64) -> (usize, Vec<Option<f64>>) {
         .filter(|pair| pair.a == a && pair.b.is_none())
     {
         let here = pair.term.bounds()[0].0;
-        let least: &mut Option<f64> = &mut least[pair.node];
+        let least: &mut Option<f64> = &mut least[node(pair)];
         *least = Some(least.map_or(here, |least| least.min(here)));
     }
     (phases[0].steps, least)
@@ -115,8 +122,8 @@ fn demanded(name: &str, joint: &str, extra: f64) -> (usize, Vec<Option<f64>>) {
 
 #[test]
 fn a_wrist_is_as_near_to_a_table_as_the_handle_of_what_stands_there() {
-    let (steps, least) = demanded("support/reach.toml", "right_wrist_yaw_joint", 0.0);
     let full = crate::settings::Margins::executable().clearance;
+    let (steps, least) = demanded("support/reach.toml", "right_wrist_yaw_joint", full);
     // Phases: stand, lean, grasp, lift, set down, release, stand.
     for (k, may_be_near) in [(1, false), (2, true), (4, true), (6, false)] {
         let here = least[k * steps + steps / 2].expect("the hand hangs beside the table");
