@@ -13,6 +13,7 @@ use crate::difference::{Difference, End};
 use crate::point::Point;
 use crate::problem::NodeState;
 use crate::program::{Interval, Passage, Program};
+use crate::relative::{Relative, RelativeFrame};
 use crate::terms::distance::Nearest;
 use multibody::Kinematics;
 use nalgebra::{DMatrix, Matrix6, Vector6};
@@ -24,6 +25,11 @@ pub struct Passages {
     /// Per interval, per passage.
     states: Vec<Vec<NodeState>>,
     q: Vec<f64>,
+    scratch: Scratch,
+}
+
+/// Derivatives by increments of q_s, and what takes them to the two nodes.
+struct Scratch {
     row: Vec<f64>,
     by_end: Vec<f64>,
     hessian: DMatrix<f64>,
@@ -88,11 +94,13 @@ impl Passages {
         Self {
             states: program.intervals.iter().map(of_interval).collect(),
             q: vec![f64::NAN; model.nq],
-            row: vec![f64::NAN; model.nv],
-            by_end: vec![f64::NAN; model.nv],
-            hessian: square(),
-            chained: square(),
-            ends: [end(), end()],
+            scratch: Scratch {
+                row: vec![f64::NAN; model.nv],
+                by_end: vec![f64::NAN; model.nv],
+                hessian: square(),
+                chained: square(),
+                ends: [end(), end()],
+            },
         }
     }
 
@@ -133,12 +141,12 @@ impl Passages {
     ) {
         let interval = &program.intervals[t];
         let firsts = [interval.a, interval.b];
-        let n = out.gradient.len();
+        let scratch = &mut self.scratch;
         for (passage, state) in interval.passages.iter().zip(&self.states[t]) {
-            for (end, map) in [End::A, End::B].into_iter().zip(&mut self.ends) {
+            for (end, map) in [End::A, End::B].into_iter().zip(&mut scratch.ends) {
                 map.update(difference, end, passage.share);
             }
-            self.hessian.fill(0.0);
+            scratch.hessian.fill(0.0);
             let mut curved = false;
             for (term, nearest) in passage.terms.iter().zip(&state.nearest) {
                 let frame = &program.frames[passage.frames[term.slot]];
@@ -149,46 +157,75 @@ impl Passages {
                     term.term
                         .derivatives_near(&relative.b_from_a, weights, nearest, gradients);
                 let jacobian = &mut out.jacobians[term.block];
-                for (r, gradient) in gradients.iter().enumerate() {
-                    self.row.fill(0.0);
-                    for (&col, j) in frame.cols.iter().zip(&relative.columns) {
-                        self.row[col] = gradient.dot(j);
-                    }
-                    let mut column = 0;
-                    for (_, map) in firsts.iter().zip(&self.ends).filter(|(f, _)| f.is_some()) {
-                        self.by_end.copy_from_slice(&self.row);
-                        map.pull_back(&mut self.by_end);
-                        for &col in &frame.cols {
-                            jacobian[column * term.n_rows + r] = self.by_end[col];
-                            column += 1;
-                        }
-                    }
-                }
+                scratch.write_rows((frame, relative), gradients, firsts, jacobian);
                 let gradient = gradients.iter().zip(weights).map(|(g, w)| g * *w).sum();
-                let (cols, by_q) = (&frame.cols, &mut self.hessian);
-                frame.pose_hessian(relative, &gradient, &hessian, |k, l, value| {
-                    by_q[(cols[k], cols[l])] += value;
-                    if k != l {
-                        by_q[(cols[l], cols[k])] += value;
-                    }
-                });
+                scratch.add_curvature((frame, relative), &gradient, &hessian);
                 curved |= gradient != Vector6::zeros();
             }
-            if !curved {
-                continue;
+            if curved {
+                scratch.add_hessian(firsts, out);
             }
-            for (e, from) in firsts.iter().enumerate() {
-                for (f, to) in firsts.iter().enumerate().skip(e) {
-                    let (Some(from), Some(to)) = (from, to) else {
-                        continue;
-                    };
-                    let ends = [&self.ends[e], &self.ends[f]];
-                    chain(&self.hessian, ends, &mut self.chained);
-                    for c in 0..self.chained.ncols() {
-                        for r in (if e == f { c } else { 0 })..self.chained.nrows() {
-                            let (i, j) = (from + r, to + c);
-                            out.hessian[i.min(j) * n + i.max(j)] += self.chained[(r, c)];
-                        }
+        }
+    }
+}
+
+impl Scratch {
+    /// The Jacobian of rows with these gradients by the relative pose.
+    fn write_rows(
+        &mut self,
+        (frame, relative): (&RelativeFrame, &Relative),
+        gradients: &[Vector6<f64>],
+        firsts: [Option<usize>; 2],
+        jacobian: &mut [f64],
+    ) {
+        for (r, gradient) in gradients.iter().enumerate() {
+            self.row.fill(0.0);
+            for (&col, j) in frame.cols.iter().zip(&relative.columns) {
+                self.row[col] = gradient.dot(j);
+            }
+            let mut column = 0;
+            let free = firsts.iter().zip(&self.ends).filter(|(f, _)| f.is_some());
+            for (_, map) in free {
+                self.by_end.copy_from_slice(&self.row);
+                map.pull_back(&mut self.by_end);
+                for &col in &frame.cols {
+                    jacobian[column * gradients.len() + r] = self.by_end[col];
+                    column += 1;
+                }
+            }
+        }
+    }
+
+    /// Adds the Hessian by increments of q_s of a function of a relative pose.
+    fn add_curvature(
+        &mut self,
+        (frame, relative): (&RelativeFrame, &Relative),
+        gradient: &Vector6<f64>,
+        hessian: &Matrix6<f64>,
+    ) {
+        let (cols, by_q) = (&frame.cols, &mut self.hessian);
+        frame.pose_hessian(relative, gradient, hessian, |k, l, value| {
+            by_q[(cols[k], cols[l])] += value;
+            if k != l {
+                by_q[(cols[l], cols[k])] += value;
+            }
+        });
+    }
+
+    /// Adds D_Eᵀ H D_F for both ends E and F to the element's Hessian.
+    fn add_hessian(&mut self, firsts: [Option<usize>; 2], out: &mut ElementData) {
+        let n = out.gradient.len();
+        for (e, from) in firsts.iter().enumerate() {
+            for (f, to) in firsts.iter().enumerate().skip(e) {
+                let (Some(from), Some(to)) = (from, to) else {
+                    continue;
+                };
+                let ends = [&self.ends[e], &self.ends[f]];
+                chain(&self.hessian, ends, &mut self.chained);
+                for c in 0..self.chained.ncols() {
+                    for r in (if e == f { c } else { 0 })..self.chained.nrows() {
+                        let (i, j) = (from + r, to + c);
+                        out.hessian[i.min(j) * n + i.max(j)] += self.chained[(r, c)];
                     }
                 }
             }
