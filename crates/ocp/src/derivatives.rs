@@ -6,6 +6,7 @@ use crate::point::Point;
 use crate::problem::{Trajectory, element_nodes, physical_wrench, posture_cost, velocity_scale};
 use crate::slip::Place;
 use crate::states::{self, At};
+use crate::terms::PoseTerm;
 use crate::torque_speed::Velocities;
 use nalgebra::{Matrix6, Vector6};
 use solver::ElementData;
@@ -22,42 +23,10 @@ impl Trajectory {
         for sum in self.pose_sums.iter_mut().flatten() {
             sum.clear();
         }
+        self.stick_derivatives(t, y, out);
         let program = &self.program;
         let interval = &program.intervals[t];
         let s = &mut self.scratch;
-        // Sticking: −φ(X_t) + φ(X_{t+1}).
-        for stick in &interval.sticks {
-            use crate::terms::PoseTerm;
-            let rows = stick.place.n_rows();
-            let jacobian = &mut out.jacobians[stick.block];
-            let mut column = 0;
-            let sides = [
-                (interval.a, t, stick.slot_a, -1.0),
-                (interval.b, t + 1, stick.slot_b, 1.0),
-            ];
-            for (first, node, slot, sign) in sides {
-                if first.is_none() {
-                    continue;
-                }
-                let relative = &self.nodes[node].relatives[slot];
-                stick
-                    .place
-                    .gradients(&relative.b_from_a, &mut s.gradients[..rows]);
-                for j in &relative.columns {
-                    for r in 0..rows {
-                        jacobian[column * rows + r] = sign * s.gradients[r].dot(j);
-                    }
-                    column += 1;
-                }
-                let weights = &mut s.values[..rows];
-                for (r, w) in weights.iter_mut().enumerate() {
-                    *w = sign * y[stick.first_row + r];
-                }
-                let gradient = weighted_sum(&s.gradients[..rows], weights);
-                let hessian = stick.place.hessian(&relative.b_from_a, weights);
-                self.pose_sums[node - t][slot].add(&gradient, &hessian);
-            }
-        }
         for node in element_nodes(program, t) {
             let Some(first) = (if node == t { interval.a } else { interval.b }) else {
                 continue;
@@ -118,6 +87,44 @@ impl Trajectory {
             .derivatives(program, difference, y, &mut s.gradients, out);
         self.force_derivatives(x, t, y, out);
         self.chain_poses(t, out);
+    }
+
+    /// Sticking: −φ(X_t) + φ(X_{t+1}).
+    fn stick_derivatives(&mut self, t: usize, y: &[f64], out: &mut ElementData) {
+        let program = &self.program;
+        let interval = &program.intervals[t];
+        let s = &mut self.scratch;
+        for stick in &interval.sticks {
+            let rows = stick.place.n_rows();
+            let jacobian = &mut out.jacobians[stick.block];
+            let mut column = 0;
+            let sides = [
+                (interval.a, t, stick.slot_a, -1.0),
+                (interval.b, t + 1, stick.slot_b, 1.0),
+            ];
+            for (first, node, slot, sign) in sides {
+                if first.is_none() {
+                    continue;
+                }
+                let relative = &self.nodes[node].relatives[slot];
+                stick
+                    .place
+                    .gradients(&relative.b_from_a, &mut s.gradients[..rows]);
+                for j in &relative.columns {
+                    for r in 0..rows {
+                        jacobian[column * rows + r] = sign * s.gradients[r].dot(j);
+                    }
+                    column += 1;
+                }
+                let weights = &mut s.values[..rows];
+                for (r, w) in weights.iter_mut().enumerate() {
+                    *w = sign * y[stick.first_row + r];
+                }
+                let gradient = weighted_sum(&s.gradients[..rows], weights);
+                let hessian = stick.place.hessian(&relative.b_from_a, weights);
+                self.pose_sums[node - t][slot].add(&gradient, &hessian);
+            }
+        }
     }
 
     /// Takes the sums of gradients and Hessians by relative poses to the increments of their nodes.

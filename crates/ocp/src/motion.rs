@@ -28,10 +28,9 @@ const REPAIR_PUSH: f64 = 1e-4;
 const FINER_BARRIER: f64 = 0.1;
 const FINEST_BARRIER: f64 = 0.01;
 const FINER_PUSH: f64 = 1e-3;
-/// Largest violation of a solution (scaled rows): a tenth of what the checker allows. The last digits of coarse motions cost up to
-/// twenty iterations, and a finer grid starts anew.
-const SOLVED: f64 = 1e-5;
-/// Iterations that stand still with no more violation than that before they count as one, whatever the other conditions.
+/// Largest violation of a solution (scaled rows).
+const SOLVED: f64 = 1e-6;
+/// Iterations that stand still within ten times that (a tenth of what the checker allows) before they count as one.
 const STILL_ITERATIONS: usize = 10;
 /// Complementarity products and dual residual at the solution of a barrier problem: the products come to about the barrier
 /// parameter, and the last Newton steps, which make the rows hold, leave far smaller residuals.

@@ -286,7 +286,7 @@ pub fn program_with(
         grid,
         ocp::collision::Clearances::Near {
             nodes: &nodes,
-            extra: &std::collections::BTreeMap::default(),
+            crossings: &std::collections::BTreeMap::default(),
         },
     );
     let wrenches = program
