@@ -3,14 +3,13 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use super::edges;
+use super::edges::edge_row;
 use super::shared::Shared;
 use super::{Ball, Clearances, CollisionModel, Crossings, Other, Primitive, SelfPair, Touch};
 use crate::program::{Grid, Phase, Program, landing};
 use crate::settings::Preset;
 use crate::terms::PoseTerm;
 use crate::terms::distance::{Distance, EVENNESS, MOST_CLEARANCE, Obstacle, Part};
-use crate::terms::inverse::Inverse;
 use crate::terms::sigmoid::Sigmoid;
 use multibody::Kinematics;
 use scene::Scene;
@@ -32,11 +31,6 @@ const RAMP: (f64, f64) = (-0.002, 0.008);
 const MOST_AT_CONTACT: f64 = -0.008;
 /// Share of the clearance that is demanded of a hand and its wrist from what the object that it grasps or places stands on.
 const THROUGH: f64 = 0.25;
-/// By how much a point on an edge is nearer than the corners of an object where it gets a say, if it is inside the other box
-/// [m]: edges that go through faces are rare, and rows for all that come near cost iterations.
-const NEARER: f64 = 0.002;
-/// The most that is demanded of edges of static boxes [m].
-const MOST_OF_EDGES: f64 = 0.005;
 /// Sixteenths of a phase after a body has left where it stands at the start in which what is near there may still be so.
 const FROM_START: f64 = 6.0;
 /// Slope of the sigmoid penalties of the paper preset [1/m] (the yardstick's).
@@ -303,41 +297,6 @@ impl CollisionModel {
         }
     }
 
-    /// Points on the edges of a box of an object that are inside another box though its corners are not as deep, and on those of
-    /// the other box, if it is static, inside it; in the frames of the bodies, in any of the configurations.
-    fn edges_inside(
-        &self,
-        (a, own): (usize, &Primitive),
-        other: &Primitive,
-        window: &[&Kinematics],
-    ) -> (Vec<Ball>, Vec<Ball>) {
-        let (mut of_own, mut of_other) = (vec![], vec![]);
-        let add = |nearest: Vec<(f64, Ball)>, body_from_box: Pose, out: &mut Vec<Ball>| {
-            for (_, (p, r)) in nearest {
-                let ball = (body_from_box.act(p), r);
-                if !out.contains(&ball) {
-                    out.push(ball);
-                }
-            }
-        };
-        let (a_from_own, b_from_other) = (own.from_body.inverse(), other.from_body.inverse());
-        for kinematics in window {
-            let x = other.pose_of_joint(kinematics, a);
-            let distance = |(c, r): &Ball| other.obstacle.roughly_nearest(&x.act(*c)) - r;
-            let corners = self.balls[a].iter().map(distance);
-            let below = (corners.fold(f64::INFINITY, f64::min) - NEARER).min(0.0);
-            let there = x * a_from_own;
-            let nearest = edges::nearest(&own.obstacle, &other.obstacle, &there, below);
-            add(nearest, a_from_own, &mut of_own);
-            if other.body.is_some() {
-                let there = there.inverse();
-                let nearest = edges::nearest(&other.obstacle, &own.obstacle, &there, below);
-                add(nearest, b_from_other, &mut of_other);
-            }
-        }
-        (of_own, of_other)
-    }
-
     /// Clearance demanded of a body and a primitive, whose row says `says`: growing with the distance in time from where they touch, or where the
     /// body's neighbours in the limb do: a wrist is as near to a box as the hand that holds it makes it. The same from where a
     /// body has stood since the start, which may be nearer to something than a motion may come.
@@ -504,24 +463,8 @@ fn distance_at((a, balls): (usize, &[Ball]), primitive: &Primitive, at: &Kinemat
     value(&row, &primitive.pose_of_joint(at, a))
 }
 
-/// Points on edges of static bodies, in the world, against a box of an object; `demanded` makes what a row says in a
-/// configuration a clearance.
-fn edge_row(
-    (a, own): (usize, &Primitive),
-    points: &[Ball],
-    demanded: &dyn Fn(Says<'_>) -> f64,
-) -> Inverse<Distance> {
-    let row = |clearance: f64| {
-        let (balls, obstacle) = (points.to_vec(), own.obstacle.clone());
-        Inverse(Distance::new(balls, obstacle, own.from_body, clearance))
-    };
-    let free = row(0.0);
-    let clearance = demanded(&|kinematics| value(&free, &kinematics.world_from_joint[a]));
-    row(clearance.min(MOST_OF_EDGES))
-}
-
 /// What a row says [m].
-fn value(row: &dyn PoseTerm, b_from_a: &Pose) -> f64 {
+pub(super) fn value(row: &dyn PoseTerm, b_from_a: &Pose) -> f64 {
     let mut value = [f64::NAN];
     row.values(b_from_a, &mut value);
     value[0]

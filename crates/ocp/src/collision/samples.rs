@@ -37,4 +37,13 @@ impl Sequence {
             .collect();
         Self { scene, phases }
     }
+
+    /// The same with so many intervals in every phase.
+    pub fn with_steps(name: &str, steps: usize) -> Self {
+        let mut sequence = Self::load(name);
+        for phase in &mut sequence.phases {
+            phase.steps = steps;
+        }
+        sequence
+    }
 }

@@ -5,11 +5,7 @@ use crate::settings::{Preset, Settings};
 
 #[test]
 fn a_foot_that_lands_through_the_edge_of_a_block_collides_before_it_lands() {
-    let Sequence { scene, phases } = Sequence::load("stairs/block.toml");
-    let phases: Vec<Phase> = phases
-        .into_iter()
-        .map(|p| Phase { steps: 8, ..p })
-        .collect();
+    let Sequence { scene, phases } = Sequence::with_steps("stairs/block.toml", 8);
     let planner = Planner::new(&scene).unwrap();
     let settings = Settings::new(Preset::Default, &scene.optimiser);
     let keyframes = planner.keyframes(&phases, &settings);
