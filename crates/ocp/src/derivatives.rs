@@ -322,7 +322,6 @@ impl Trajectory {
         let interval = &program.intervals[t];
         let n = program.structure.elements[t].vars.len();
         let share = program.share[interval.phase];
-        let weight = program.settings.weights.force * share;
         let s = &mut self.scratch;
         for &(here, next) in &interval.changes {
             let weight = program.settings.weights.force_rate / share;
@@ -342,6 +341,7 @@ impl Trajectory {
             for i in 0..force.n {
                 let v = force.first + i;
                 let difference = x.wrenches[t][v] - force.reference[i];
+                let weight = force.weights[i] * share;
                 out.gradient[v] += weight * difference;
                 out.hessian[v * n + v] += weight;
             }

@@ -135,11 +135,10 @@ impl Trajectory {
             costs.terms[by_v as usize] += 0.5 * share * of_v;
             costs.terms[by_a as usize] += 0.5 * share * of_a;
         }
-        let weight = weights.force * share;
         for force in &interval.forces {
             let scaled = &x.wrenches[t][force.first..force.first + force.n];
-            for (l, r) in scaled.iter().zip(&force.reference) {
-                costs.add(CostTerm::Force, 0.5 * weight * (l - r) * (l - r));
+            for ((l, r), w) in scaled.iter().zip(&force.reference).zip(&force.weights) {
+                costs.add(CostTerm::Force, 0.5 * w * share * (l - r) * (l - r));
             }
         }
         if !interval.changes.is_empty() {

@@ -54,6 +54,9 @@ pub struct Weights {
     pub acceleration: f64,
     /// Contact wrenches in units of their scale.
     pub force: f64,
+    /// Moments of a foot about the middle of its sole, in units of the robot's weight on its edge: keeps the centre of pressure
+    /// from the edges, over which a robot tilts on any ground that gives.
+    pub pressure: f64,
     /// Changes of contact wrenches from one interval to the next, in units of their scale; where velocities are unknowns.
     pub force_rate: f64,
     /// Velocities of objects.
@@ -79,6 +82,7 @@ impl Default for Weights {
             velocity: 0.05,
             acceleration: 1e-3,
             force: 1e-3,
+            pressure: PRESSURE,
             force_rate: 0.02,
             object_velocity: 0.01,
             object_acceleration: 1e-3,
@@ -136,7 +140,7 @@ impl Margins {
             clearance: 0.02,
             self_clearance: 0.015,
             swing: 0.03,
-            landing: 0.01,
+            landing: 0.003,
             ramp: 3.0,
             load: 0.05,
             bounds: 0.005,
@@ -193,6 +197,8 @@ pub struct Settings {
     pub barrier: f64,
 }
 
+/// Weight of the moments of feet in the preset `default`; the paper has none (benches/runs/2026-11-23-calm-landings.md).
+const PRESSURE: f64 = 0.5;
 /// Longest interval of a coarse motion of the preset `default` [s]: what explicit Euler does with longer ones is no motion of a
 /// robot. Refinement lets phases grow that this keeps short.
 const LONGEST_STEP: f64 = 0.15;
@@ -216,7 +222,14 @@ impl Settings {
             min_duration: options.min_duration,
             max_duration: options.max_duration,
             torque_limits: options.torque_limits,
-            weights: Weights::default(),
+            weights: Weights {
+                pressure: if preset == Preset::Default {
+                    PRESSURE
+                } else {
+                    0.0
+                },
+                ..Weights::default()
+            },
             margins: if preset == Preset::Default {
                 Margins::executable()
             } else {

@@ -9,7 +9,7 @@ use crate::terms::{
     ForceTerm, friction::Friction, grasp::Grasp, point_friction::PointFriction, pressure::Pressure,
     support_pressure::SupportPressure, torsion::Torsion,
 };
-use scene::Owner;
+use scene::{Owner, Role};
 use solver::BlockStructure;
 use spatial::Pose;
 use symbolic::{Contact, ContactType};
@@ -104,6 +104,7 @@ impl Builder<'_> {
                 })),
             }
             let on_robot = self.on_robot(t, contact);
+            let weights = self.wrench_weights(contact, moment);
             let p = &mut self.program;
             let interval = &mut p.intervals[t];
             let (first, n) = (
@@ -173,10 +174,30 @@ impl Builder<'_> {
                 n,
                 scale,
                 reference,
+                weights,
                 on_robot,
                 rows,
             });
         }
+    }
+
+    /// Weights of the squares of a scaled wrench: alike, and those of a foot's moments about its middle with what they are on its
+    /// edge.
+    fn wrench_weights(&self, contact: Contact, moment: f64) -> [f64; 6] {
+        let settings = &self.program.settings.weights;
+        let mut weights = [settings.force; 6];
+        let a = &self.scene.interfaces[contact.a.0];
+        let sole = a.half_size.filter(|_| a.role == Role::Foot);
+        if let (ContactType::UnilateralPatch, Some([x, y])) = (contact.kind, sole) {
+            let weight = self.robot_weight();
+            for (i, half) in [(3, y), (4, x)] {
+                let edge = weight * half;
+                if edge > 0.0 {
+                    weights[i] += settings.pressure * (moment / edge).powi(2);
+                }
+            }
+        }
+        weights
     }
 
     /// The part of a contact in the robot's momentum; `None` if it acts on the robot not at all or at both ends.

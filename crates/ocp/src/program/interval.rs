@@ -110,6 +110,8 @@ pub struct Force {
     pub scale: [f64; 6],
     /// Scaled wrench that costs nothing.
     pub reference: [f64; 6],
+    /// Weights of the squares of what differs from it.
+    pub weights: [f64; 6],
     /// Its part in the robot's momentum rows.
     pub on_robot: Option<OnRobot>,
     /// Rows.

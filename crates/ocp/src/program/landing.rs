@@ -1,12 +1,13 @@
 //! Landing and lifting off: what lands comes down straight and slowly, what leaves goes up so.
 //!
 //! With v, ω the twist of `a` relative to `b` in axes of `a`, z its normal, at a node that is time τ ≤ τ_1 away from the
-//! contact and σ = max(0, τ − τ_0): |v_z| ≤ v_0 + a_0 σ, |v_x|, |v_y| ≤ v_0 + r a_0 σ, |ω_i| ≤ (v_0 + r a_0 σ)/l.
-//! Distances demanded beside contacts grow with ½ s a_0 σ² meanwhile. Short phases have τ_0, τ_1 and a_0 of their own.
+//! contact, and u the speed gained since τ_0, whose acceleration grows from 0 to a_0 in τ_2: u = a_0 σ²/(2 τ_2) up to
+//! σ = max(0, τ − τ_0) = τ_2, a_0 (σ − τ_2/2) beyond. |v_z| ≤ v_0 + u, |v_x|, |v_y| ≤ v_0 + r u, |ω_i| ≤ (v_0 + r u)/l.
+//! Distances demanded beside contacts grow with s ∫ u dτ meanwhile. Short phases have τ_0, τ_1 and a_0 of their own.
 //!
 //! Source: ours. A foot that comes in along the ground is stopped by it before its time where the robot hangs a little
-//! lower than planned. One that is still braking when it touches is lifted off again by its controller; hence the
-//! slow way of τ_0. What this does to replays: benches/runs/2026-11-23-double-support.md.
+//! lower than planned. One that is still braking when it touches is lifted off again by its controller, and falls back when the
+//! controller counts on it; hence the slow way of τ_0. What this does to replays: benches/runs/2026-11-23-calm-landings.md.
 
 use std::sync::Arc;
 
@@ -26,10 +27,12 @@ const OF_SHORT: f64 = 1.5;
 const ALONG: f64 = 0.4;
 const RISE: f64 = 2.0 / 3.0;
 /// Time from the contact with the least speed, τ_0 [s], and the same as a share of the phase.
-const STILL: f64 = 0.08;
+const STILL: f64 = 0.2;
 const STILL_SHARE: f64 = 0.125;
+/// Time in which the acceleration grows, τ_2 [s].
+const GENTLE: f64 = 0.1;
 /// Longest time from the contact, τ_1 [s], and the same as a share of the phase.
-const BESIDE: f64 = 0.28;
+const BESIDE: f64 = 0.4;
 const SHARE: f64 = 0.25;
 /// Lever of the angular velocity, l [m].
 const LEVER: f64 = 0.2;
@@ -44,9 +47,18 @@ fn growth(duration: f64) -> f64 {
     GROWTH.max(OF_SHORT / duration.powi(2))
 }
 
-/// σ: time so far from the contact that speed has had to grow [s].
-fn growing(duration: f64, time: f64) -> f64 {
-    (time - STILL.min(STILL_SHARE * duration)).max(0.0)
+/// Speed gained, u [m/s], and the way made with it [m], at a time from the contact, in a phase of such a duration.
+fn gained(duration: f64, time: f64) -> (f64, f64) {
+    let sigma = (time - STILL.min(STILL_SHARE * duration)).max(0.0);
+    let (speed, way) = if sigma < GENTLE {
+        let speed = sigma.powi(2) / (2.0 * GENTLE);
+        (speed, speed * sigma / 3.0)
+    } else {
+        let speed = sigma - 0.5 * GENTLE;
+        (speed, 0.5 * speed.powi(2) + GENTLE.powi(2) / 24.0)
+    };
+    let growth = growth(duration);
+    (growth * speed, growth * way)
 }
 
 /// Distance that may be demanded at a node, so many sixteenths of a phase away from a contact [m]; `None` where nothing
@@ -58,8 +70,7 @@ pub(crate) fn rise(program: &Program, node: usize, parts: f64) -> Option<f64> {
     let interval = node.min(program.n_intervals() - 1);
     let steps = program.steps[program.phase_of(interval)];
     let duration = duration(program, steps);
-    let time = growing(duration, duration * parts / PARTS);
-    Some(0.5 * RISE * growth(duration) * time.powi(2))
+    Some(RISE * gained(duration, duration * parts / PARTS).1)
 }
 
 impl Builder<'_> {
@@ -94,7 +105,7 @@ impl Builder<'_> {
                         if self.program.nodes[t].velocity_var.is_none() {
                             continue;
                         }
-                        let more = growth(duration) * growing(duration, dt * nodes as f64);
+                        let (more, _) = gained(duration, dt * nodes as f64);
                         let along = speed + ALONG * more;
                         let limits = [along, speed + more, along / LEVER];
                         self.velocity_rows(t, contact, frame, "landing speed", limits);

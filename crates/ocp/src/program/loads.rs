@@ -1,15 +1,18 @@
 //! Loads of contacts: what they bear at rest, and how a contact that begins or ends takes its load up or gives it away.
 //!
 //! With u from 0 to 1 the way that a contact has behind it since it began, or before it until it ends, in so many
-//! sixteenths of a phase (margin `ramp`): |f_i| ≤ u W, and for feet f_n ≥ min(λ W, ½ u W) (margin `load`, λ) and the
+//! sixteenths of a phase (margin `ramp`), on grids with velocities at most T_u: |f_i| ≤ u W, and for feet f_n ≥ min(λ W, ½ u W) (margin `load`, λ) and the
 //! centre of pressure within max(u, u_0) of its extents around the last joint, moving to the middle with u.
 //!
-//! Source: ours; benches/runs/2026-11-23-double-support.md.
+//! Source: ours. A foot that bears little is turned by any moment that its controller counts on, so it should not stay so for
+//! long; benches/runs/2026-11-23-double-support.md, benches/runs/2026-11-23-calm-landings.md.
 
-use super::{Builder, Phase};
+use super::{Builder, PARTS, Phase};
 use scene::{Owner, Role};
 use symbolic::{Contact, ContactState, InterfaceId};
 
+/// Longest ramp on grids with velocities, T_u [s].
+const LONGEST_RAMP: f64 = 0.05;
 /// Share of the area for the centre of pressure that a foot has when its ramp begins.
 const FIRST_AREA: f64 = 0.15;
 
@@ -63,7 +66,8 @@ impl Builder<'_> {
         weights.fold(0.0, f64::max)
     }
 
-    fn robot_weight(&self) -> f64 {
+    /// Weight of the robot [N].
+    pub(super) fn robot_weight(&self) -> f64 {
         self.program.system.robot_mass * self.scene.gravity.norm()
     }
 
@@ -94,7 +98,13 @@ impl Builder<'_> {
             .chain(goes)
             .map(|i| (along[i] - here).abs())
             .fold(f64::INFINITY, f64::min);
-        let share = apart / p.settings.margins.ramp;
+        let sixteenth = p.settings.max_step * p.steps[p.phase_of(t)] as f64 / PARTS;
+        let longest = if p.has_velocities() {
+            LONGEST_RAMP / sixteenth
+        } else {
+            f64::INFINITY
+        };
+        let share = apart / p.settings.margins.ramp.min(longest);
         if share < 1.0 { share } else { 1.0 }
     }
 
