@@ -55,7 +55,7 @@ pub struct Weights {
     /// Contact wrenches in units of their scale.
     pub force: f64,
     /// Moments of a foot about the middle of its sole, in units of the robot's weight on its edge: keeps the centre of pressure
-    /// from the edges, over which a robot tilts on any ground that gives.
+    /// from the edges, over which a robot tilts on any ground that gives. Where velocities are unknowns.
     pub pressure: f64,
     /// Changes of contact wrenches from one interval to the next, in units of their scale; where velocities are unknowns.
     pub force_rate: f64,

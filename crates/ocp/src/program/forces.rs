@@ -181,13 +181,15 @@ impl Builder<'_> {
         }
     }
 
-    /// Weights of the squares of a scaled wrench: alike, and those of a foot's moments about its middle with what they are on its
-    /// edge.
+    /// Weights of the squares of a scaled wrench: alike, and where velocities are unknowns those of a foot's moments about its
+    /// middle with what they are on its edge.
     fn wrench_weights(&self, contact: Contact, moment: f64) -> [f64; 6] {
         let settings = &self.program.settings.weights;
         let mut weights = [settings.force; 6];
         let a = &self.scene.interfaces[contact.a.0];
-        let sole = a.half_size.filter(|_| a.role == Role::Foot);
+        let sole = a
+            .half_size
+            .filter(|_| a.role == Role::Foot && self.program.has_velocities());
         if let (ContactType::UnilateralPatch, Some([x, y])) = (contact.kind, sole) {
             let weight = self.robot_weight();
             for (i, half) in [(3, y), (4, x)] {
