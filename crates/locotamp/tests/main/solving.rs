@@ -76,7 +76,7 @@ fn the_costs_of_a_solved_sequence_by_interval_and_term_add_up_to_its_cost() {
 const LOW: f64 = 0.01;
 const BESIDE: f64 = 0.012;
 /// Last part of a swing [s], and how high a foot may be at its beginning [m].
-const LAST: f64 = 0.08;
+const LAST: f64 = 0.2;
 const TOUCHING: f64 = 0.001;
 /// Distance of the centre of pressure from the ankle, along the foot, while it takes up its first load [m].
 const BELOW_ANKLE: f64 = 0.02;

@@ -31,6 +31,9 @@ const STILL: f64 = 0.2;
 const STILL_SHARE: f64 = 0.125;
 /// Time in which the acceleration grows, τ_2 [s].
 const GENTLE: f64 = 0.1;
+/// Steps that are longer than this [s] are too few for that: they have this τ_0 [s], and τ_2 = 0.
+const LONG_STEP: f64 = 0.03;
+const STILL_ON_LONG: f64 = 0.08;
 /// Longest time from the contact, τ_1 [s], and the same as a share of the phase.
 const BESIDE: f64 = 0.4;
 const SHARE: f64 = 0.25;
@@ -47,15 +50,21 @@ fn growth(duration: f64) -> f64 {
     GROWTH.max(OF_SHORT / duration.powi(2))
 }
 
-/// Speed gained, u [m/s], and the way made with it [m], at a time from the contact, in a phase of such a duration.
-fn gained(duration: f64, time: f64) -> (f64, f64) {
-    let sigma = (time - STILL.min(STILL_SHARE * duration)).max(0.0);
-    let (speed, way) = if sigma < GENTLE {
-        let speed = sigma.powi(2) / (2.0 * GENTLE);
+/// Speed gained, u [m/s], and the way made with it [m], at a time from the contact, in a phase of such a duration
+/// in such steps.
+fn gained(step: f64, duration: f64, time: f64) -> (f64, f64) {
+    let (still, gentle) = if step > LONG_STEP {
+        (STILL_ON_LONG, 0.0)
+    } else {
+        (STILL, GENTLE)
+    };
+    let sigma = (time - still.min(STILL_SHARE * duration)).max(0.0);
+    let (speed, way) = if sigma < gentle {
+        let speed = sigma.powi(2) / (2.0 * gentle);
         (speed, speed * sigma / 3.0)
     } else {
-        let speed = sigma - 0.5 * GENTLE;
-        (speed, 0.5 * speed.powi(2) + GENTLE.powi(2) / 24.0)
+        let speed = sigma - 0.5 * gentle;
+        (speed, 0.5 * speed.powi(2) + gentle.powi(2) / 24.0)
     };
     let growth = growth(duration);
     (growth * speed, growth * way)
@@ -70,7 +79,14 @@ pub(crate) fn rise(program: &Program, node: usize, parts: f64) -> Option<f64> {
     let interval = node.min(program.n_intervals() - 1);
     let steps = program.steps[program.phase_of(interval)];
     let duration = duration(program, steps);
-    Some(RISE * gained(duration, duration * parts / PARTS).1)
+    Some(
+        RISE * gained(
+            program.settings.max_step,
+            duration,
+            duration * parts / PARTS,
+        )
+        .1,
+    )
 }
 
 impl Builder<'_> {
@@ -105,7 +121,7 @@ impl Builder<'_> {
                         if self.program.nodes[t].velocity_var.is_none() {
                             continue;
                         }
-                        let (more, _) = gained(duration, dt * nodes as f64);
+                        let (more, _) = gained(dt, duration, dt * nodes as f64);
                         let along = speed + ALONG * more;
                         let limits = [along, speed + more, along / LEVER];
                         self.velocity_rows(t, contact, frame, "landing speed", limits);

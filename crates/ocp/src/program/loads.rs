@@ -1,8 +1,9 @@
 //! Loads of contacts: what they bear at rest, and how a contact that begins or ends takes its load up or gives it away.
 //!
 //! With u from 0 to 1 the way that a contact has behind it since it began, or before it until it ends, in so many
-//! sixteenths of a phase (margin `ramp`), on grids with velocities at most T_u: |f_i| ≤ u W, and for feet f_n ≥ min(λ W, ½ u W) (margin `load`, λ) and the
-//! centre of pressure within max(u, u_0) of its extents around the last joint, moving to the middle with u.
+//! sixteenths of a phase (margin `ramp`) or, on grids with velocities, in T_u if that is less: |f_i| ≤ u W, and for feet
+//! f_n ≥ min(λ W, ½ u W) (margin `load`, λ) and the centre of pressure within max(u, u_0) of its extents around the last
+//! joint, moving to the middle with u.
 //!
 //! Source: ours. A foot that bears little is turned by any moment that its controller counts on, so it should not stay so for
 //! long; benches/runs/2026-11-23-double-support.md, benches/runs/2026-11-23-calm-landings.md.
