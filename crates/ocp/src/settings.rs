@@ -52,11 +52,17 @@ pub struct Weights {
     pub velocity: f64,
     /// Accelerations [s⁴/rad²].
     pub acceleration: f64,
+    /// Linear accelerations of the robot's base [s⁴/m²], where velocities are unknowns: ground that gives spoils less of what a
+    /// robot does slowly (benches/runs/2026-11-23-level-landings.md).
+    pub base_acceleration: f64,
     /// Contact wrenches in units of their scale.
     pub force: f64,
     /// Moments of a foot about the middle of its sole, in units of the robot's weight on its edge: keeps the centre of pressure
-    /// from the edges, over which a robot tilts on any ground that gives. Where velocities are unknowns.
+    /// from the edges, over which a robot tilts on any ground that gives (benches/runs/2026-11-23-calm-landings.md). Where
+    /// velocities are unknowns.
     pub pressure: f64,
+    /// The same in the last 0.3 s before another foot lands.
+    pub landing_pressure: f64,
     /// Changes of contact wrenches from one interval to the next, in units of their scale; where velocities are unknowns.
     pub force_rate: f64,
     /// Velocities of objects.
@@ -81,8 +87,10 @@ impl Default for Weights {
             tilt: 4.0,
             velocity: 0.05,
             acceleration: 1e-3,
+            base_acceleration: 0.3,
             force: 1e-3,
-            pressure: PRESSURE,
+            pressure: 0.5,
+            landing_pressure: 100.0,
             force_rate: 0.02,
             object_velocity: 0.01,
             object_acceleration: 1e-3,
@@ -197,8 +205,6 @@ pub struct Settings {
     pub barrier: f64,
 }
 
-/// Weight of the moments of feet in the preset `default`; the paper has none (benches/runs/2026-11-23-calm-landings.md).
-const PRESSURE: f64 = 0.5;
 /// Longest interval of a coarse motion of the preset `default` [s]: what explicit Euler does with longer ones is no motion of a
 /// robot. Refinement lets phases grow that this keeps short.
 const LONGEST_STEP: f64 = 0.15;
@@ -222,14 +228,7 @@ impl Settings {
             min_duration: options.min_duration,
             max_duration: options.max_duration,
             torque_limits: options.torque_limits,
-            weights: Weights {
-                pressure: if preset == Preset::Default {
-                    PRESSURE
-                } else {
-                    0.0
-                },
-                ..Weights::default()
-            },
+            weights: Weights::default(),
             margins: if preset == Preset::Default {
                 Margins::executable()
             } else {

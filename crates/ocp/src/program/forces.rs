@@ -17,6 +17,9 @@ use symbolic::{Contact, ContactType};
 /// A smaller friction coefficient counts as this, so that the cone has an inside.
 const LEAST_FRICTION: f64 = 1e-4;
 
+/// Time before a landing in which the feet that stand have the weight `landing_pressure` [s].
+const BEFORE_LANDING: f64 = 0.3;
+
 impl Builder<'_> {
     /// Wrenches of interval `t`.
     #[allow(clippy::too_many_lines)] // one expression or layout, written down in its own order
@@ -104,7 +107,7 @@ impl Builder<'_> {
                 })),
             }
             let on_robot = self.on_robot(t, contact);
-            let weights = self.wrench_weights(contact, moment);
+            let weights = self.wrench_weights(t, contact, moment, phases);
             let p = &mut self.program;
             let interval = &mut p.intervals[t];
             let (first, n) = (
@@ -182,8 +185,15 @@ impl Builder<'_> {
     }
 
     /// Weights of the squares of a scaled wrench: alike, and where velocities are unknowns those of a foot's moments about its
-    /// middle with what they are on its edge.
-    fn wrench_weights(&self, contact: Contact, moment: f64) -> [f64; 6] {
+    /// middle with what they are on its edge; larger ones while another foot is about to land, which comes down as the ground
+    /// under this one lets the robot tilt.
+    fn wrench_weights(
+        &self,
+        t: usize,
+        contact: Contact,
+        moment: f64,
+        phases: &[Phase],
+    ) -> [f64; 6] {
         let settings = &self.program.settings.weights;
         let mut weights = [settings.force; 6];
         let a = &self.scene.interfaces[contact.a.0];
@@ -192,10 +202,15 @@ impl Builder<'_> {
             .filter(|_| a.role == Role::Foot && self.program.has_velocities());
         if let (ContactType::UnilateralPatch, Some([x, y])) = (contact.kind, sole) {
             let weight = self.robot_weight();
+            let pressure = if self.until_landing(t, phases) < BEFORE_LANDING {
+                settings.landing_pressure
+            } else {
+                settings.pressure
+            };
             for (i, half) in [(3, y), (4, x)] {
                 let edge = weight * half;
                 if edge > 0.0 {
-                    weights[i] += settings.pressure * (moment / edge).powi(2);
+                    weights[i] += pressure * (moment / edge).powi(2);
                 }
             }
         }

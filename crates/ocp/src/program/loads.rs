@@ -109,6 +109,25 @@ impl Builder<'_> {
         if share < 1.0 { share } else { 1.0 }
     }
 
+    /// Time from the middle of an interval to the end of its phase, in its longest steps, if a foot lands then [s]; else ∞.
+    pub(super) fn until_landing(&self, t: usize, phases: &[Phase]) -> f64 {
+        let p = &self.program;
+        let k = p.phase_of(t);
+        let Some(next) = phases.get(k + 1) else {
+            return f64::INFINITY;
+        };
+        let lands = |c: Contact| {
+            let foot = self.scene.interfaces[c.a.0].role == Role::Foot;
+            foot && !phases[k].state.contains(&c)
+        };
+        if next.state.iter().any(lands) {
+            let end: usize = p.steps[..=k].iter().sum();
+            p.settings.max_step * ((end - t) as f64 - 0.5)
+        } else {
+            f64::INFINITY
+        }
+    }
+
     /// Does a contact take up load gradually: of the robot or of an object that stands on something.
     fn bears_load(&self, contact: Contact) -> bool {
         let [a, b] = [contact.a, contact.b].map(|i| &self.scene.interfaces[i.0]);

@@ -16,6 +16,7 @@ impl Builder<'_> {
         let loads: Vec<f64> = (0..self.scene.objects.len())
             .map(|o| self.heaviest(o, phases))
             .collect();
+        let states = self.program.has_velocities();
         let p = &mut self.program;
         let (system, weights) = (&p.system, &p.settings.weights);
         let g = self.scene.gravity.norm();
@@ -34,6 +35,8 @@ impl Builder<'_> {
                     p.dynamics_scale[i + k] = if k < 3 { force } else { force * arm };
                     p.motion_weights[i + k] = if object {
                         (weights.object_velocity, weights.object_acceleration)
+                    } else if states && k < 3 {
+                        (weights.velocity, weights.base_acceleration)
                     } else {
                         (weights.velocity, weights.acceleration)
                     };
