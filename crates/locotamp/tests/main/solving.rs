@@ -80,6 +80,8 @@ const LAST: f64 = 0.2;
 const TOUCHING: f64 = 0.001;
 /// Distance of the centre of pressure from the ankle, along the foot, while it takes up its first load [m].
 const BELOW_ANKLE: f64 = 0.02;
+/// The same from the middle of the foot that stands, in the last part of the other one's swing [m].
+const NEAR_MIDDLE: f64 = 0.002;
 
 #[test]
 #[cfg_attr(debug_assertions, ignore = "slow without optimisation")]
@@ -123,6 +125,14 @@ fn a_refined_foot_comes_down_straight_and_takes_up_its_load_below_the_ankle() {
             let last = time.partition_point(|t| *t < plan.time[first(k)] - LAST);
             let height = places[last].z - landing.z;
             assert!(height < TOUCHING, "{height} m, {LAST} s before");
+            let steps = plan.phases[k - 1].steps;
+            let until = steps + last - first(k);
+            for standing in plan.phases[k - 1].contacts.iter() {
+                for wrench in &standing.wrench[until..steps] {
+                    let center = (wrench[4] / wrench[2]).abs();
+                    assert!(center < NEAR_MIDDLE, "{center} m on {}", standing.a);
+                }
+            }
             let mut contacts = plan.phases[k].contacts.iter();
             let wrench = contacts
                 .find(|contact| contact.a == foot.name)
