@@ -127,7 +127,7 @@ fn a_refined_foot_comes_down_straight_and_takes_up_its_load_below_the_ankle() {
             assert!(height < TOUCHING, "{height} m, {LAST} s before");
             let steps = plan.phases[k - 1].steps;
             let until = steps + last - first(k);
-            for standing in plan.phases[k - 1].contacts.iter() {
+            for standing in &plan.phases[k - 1].contacts {
                 for wrench in &standing.wrench[until..steps] {
                     let center = (wrench[4] / wrench[2]).abs();
                     assert!(center < NEAR_MIDDLE, "{center} m on {}", standing.a);
