@@ -279,7 +279,7 @@ impl Trajectory {
         }
         let share = program.share[interval.phase];
         s.chain
-            .add_costs(&program.motion_weights, share, interval.dynamics);
+            .add_costs(program.motion_weights(t), share, interval.dynamics);
         let (gradient, hessian) = (&mut out.gradient, &mut out.hessian);
         if let Some(layout) = &states {
             s.chain.state_finish(&s.hessian, layout, gradient, hessian);

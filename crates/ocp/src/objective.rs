@@ -123,7 +123,7 @@ impl Trajectory {
         if interval.dynamics {
             costs.add(CostTerm::Time, weights.time * dt);
         }
-        for (i, (wv, wa)) in program.motion_weights.iter().enumerate() {
+        for (i, (wv, wa)) in program.motion_weights(t).iter().enumerate() {
             let a = if interval.dynamics { a[i] } else { 0.0 };
             let (of_v, of_a) = (wv * v[i] * v[i], wa * a * a);
             let [by_v, by_a] = if i < program.system.robot_nv {

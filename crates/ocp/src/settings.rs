@@ -52,17 +52,22 @@ pub struct Weights {
     pub velocity: f64,
     /// Accelerations [s⁴/rad²].
     pub acceleration: f64,
-    /// Linear accelerations of the robot's base [s⁴/m²], where velocities are unknowns: ground that gives spoils less of what a
-    /// robot does slowly (benches/runs/2026-11-23-level-landings.md).
+    /// Linear accelerations of the robot's base [s⁴/m²], on grids with velocities of at most 30 ms: ground that gives spoils less
+    /// of what a robot does slowly (benches/runs/2026-11-23-level-landings.md).
     pub base_acceleration: f64,
+    /// The same from 0.3 s before a foot lands until 0.2 s after.
+    pub landing_acceleration: f64,
     /// Contact wrenches in units of their scale.
     pub force: f64,
     /// Moments of a foot about the middle of its sole, in units of the robot's weight on its edge: keeps the centre of pressure
     /// from the edges, over which a robot tilts on any ground that gives (benches/runs/2026-11-23-calm-landings.md). Where
     /// velocities are unknowns.
     pub pressure: f64,
-    /// The same in the last 0.3 s before another foot lands.
+    /// The same in the last 0.3 s before another foot lands, on grids of at most 30 ms.
     pub landing_pressure: f64,
+    /// Loads of feet away from equal shares, in units of the robot's weight, on grids of at most 30 ms: a foot that bears little
+    /// rattles where a controller holds it fast.
+    pub sharing: f64,
     /// Changes of contact wrenches from one interval to the next, in units of their scale; where velocities are unknowns.
     pub force_rate: f64,
     /// Velocities of objects.
@@ -88,9 +93,11 @@ impl Default for Weights {
             velocity: 0.05,
             acceleration: 1e-3,
             base_acceleration: 0.3,
+            landing_acceleration: 100.0,
             force: 1e-3,
             pressure: 0.5,
             landing_pressure: 100.0,
+            sharing: 1.0,
             force_rate: 0.02,
             object_velocity: 0.01,
             object_acceleration: 1e-3,

@@ -82,6 +82,8 @@ const TOUCHING: f64 = 0.001;
 const BELOW_ANKLE: f64 = 0.02;
 /// The same from the middle of the foot that stands, in the last part of the other one's swing [m].
 const NEAR_MIDDLE: f64 = 0.002;
+/// Least share of the robot's weight on each foot at the end.
+const SHARED: f64 = 0.25;
 
 #[test]
 #[cfg_attr(debug_assertions, ignore = "slow without optimisation")]
@@ -156,6 +158,13 @@ fn a_refined_foot_comes_down_straight_and_takes_up_its_load_below_the_ankle() {
         .expect("a margin");
     let reached = landing.reached.expect("contacts that begin");
     assert!(reached < landing.demanded + 1e-4, "{reached} m/s");
+    let last = plan.phases.last().expect("a phase");
+    for standing in &last.contacts {
+        let wrenches = &standing.wrench;
+        let weight = system.robot_mass * scene.gravity.norm();
+        let share = wrenches[wrenches.len() / 2][2] / weight;
+        assert!(share > SHARED, "{share} of the weight on {}", standing.a);
+    }
     let mut margins = found.quality.margins.iter();
     let load = margins.find(|m| m.name == "foot_load").expect("a margin");
     let reached = load.reached.expect("feet in contact");

@@ -17,9 +17,6 @@ use symbolic::{Contact, ContactType};
 /// A smaller friction coefficient counts as this, so that the cone has an inside.
 const LEAST_FRICTION: f64 = 1e-4;
 
-/// Time before a landing in which the feet that stand have the weight `landing_pressure` [s].
-const BEFORE_LANDING: f64 = 0.3;
-
 impl Builder<'_> {
     /// Wrenches of interval `t`.
     #[allow(clippy::too_many_lines)] // one expression or layout, written down in its own order
@@ -107,7 +104,7 @@ impl Builder<'_> {
                 })),
             }
             let on_robot = self.on_robot(t, contact);
-            let weights = self.wrench_weights(t, contact, moment, phases);
+            let weights = self.wrench_weights(t, contact, (force, moment), phases);
             let p = &mut self.program;
             let interval = &mut p.intervals[t];
             let (first, n) = (
@@ -184,14 +181,14 @@ impl Builder<'_> {
         }
     }
 
-    /// Weights of the squares of a scaled wrench: alike, and where velocities are unknowns those of a foot's moments about its
-    /// middle with what they are on its edge; larger ones while another foot is about to land, which comes down as the ground
-    /// under this one lets the robot tilt.
+    /// Weights of the squares of what a scaled wrench differs from its reference: alike, and where velocities are unknowns those
+    /// of a foot's moments about its middle with what they are on its edge. On fine grids that of its load too, and larger ones
+    /// of its moments while another foot is about to land, which comes down as the ground under this one lets the robot tilt.
     fn wrench_weights(
         &self,
         t: usize,
         contact: Contact,
-        moment: f64,
+        (force, moment): (f64, f64),
         phases: &[Phase],
     ) -> [f64; 6] {
         let settings = &self.program.settings.weights;
@@ -202,11 +199,15 @@ impl Builder<'_> {
             .filter(|_| a.role == Role::Foot && self.program.has_velocities());
         if let (ContactType::UnilateralPatch, Some([x, y])) = (contact.kind, sole) {
             let weight = self.robot_weight();
-            let pressure = if self.until_landing(t, phases) < BEFORE_LANDING {
+            let fine = self.program.is_fine();
+            let pressure = if fine && self.before_landing(t, phases) {
                 settings.landing_pressure
             } else {
                 settings.pressure
             };
+            if fine {
+                weights[2] += settings.sharing * (force / weight).powi(2);
+            }
             for (i, half) in [(3, y), (4, x)] {
                 let edge = weight * half;
                 if edge > 0.0 {

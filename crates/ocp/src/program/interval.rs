@@ -123,6 +123,8 @@ pub struct Force {
 pub struct Interval {
     /// Its phase.
     pub phase: usize,
+    /// Does a foot land soon, or has one just landed.
+    pub landing: bool,
     /// Number of wrench variables.
     pub n_wrench: usize,
     /// First wrench variable, global.

@@ -12,7 +12,7 @@
 use std::sync::Arc;
 
 use super::label::label;
-use super::{Builder, Grid, PARTS, Phase, Program, Subject};
+use super::{Builder, FINE_STEP, Grid, PARTS, Phase, Program, Subject};
 use crate::settings::Preset;
 use crate::terms::{PoseTerm, height::Beyond};
 use nalgebra::Vector3;
@@ -31,8 +31,7 @@ const STILL: f64 = 0.2;
 const STILL_SHARE: f64 = 0.125;
 /// Time in which the acceleration grows, τ_2 [s].
 const GENTLE: f64 = 0.1;
-/// Steps that are longer than this [s] are too few for that: they have this τ_0 [s], and τ_2 = 0.
-const LONG_STEP: f64 = 0.03;
+/// Longer steps than [`FINE_STEP`] are too few for that: they have this τ_0 [s], and τ_2 = 0.
 const STILL_ON_LONG: f64 = 0.08;
 /// Longest time from the contact, τ_1 [s], and the same as a share of the phase.
 const BESIDE: f64 = 0.4;
@@ -53,7 +52,7 @@ fn growth(duration: f64) -> f64 {
 /// Speed gained, u [m/s], and the way made with it [m], at a time from the contact, in a phase of such a duration
 /// in such steps.
 fn gained(step: f64, duration: f64, time: f64) -> (f64, f64) {
-    let (still, gentle) = if step > LONG_STEP {
+    let (still, gentle) = if step > FINE_STEP {
         (STILL_ON_LONG, 0.0)
     } else {
         (STILL, GENTLE)

@@ -13,7 +13,10 @@ use scene::{Owner, Role};
 use symbolic::{Contact, ContactState, InterfaceId};
 
 /// Longest ramp on grids with velocities, T_u [s].
-const LONGEST_RAMP: f64 = 0.05;
+const LONGEST_RAMP: f64 = 0.1;
+/// Times before and after a landing in which the robot's base is to be moved evenly [s].
+const BEFORE_LANDING: f64 = 0.3;
+const AFTER_LANDING: f64 = 0.2;
 /// Share of the area for the centre of pressure that a foot has when its ramp begins.
 const FIRST_AREA: f64 = 0.15;
 
@@ -109,22 +112,34 @@ impl Builder<'_> {
         if share < 1.0 { share } else { 1.0 }
     }
 
-    /// Time from the middle of an interval to the end of its phase, in its longest steps, if a foot lands then [s]; else ∞.
-    pub(super) fn until_landing(&self, t: usize, phases: &[Phase]) -> f64 {
-        let p = &self.program;
-        let k = p.phase_of(t);
-        let Some(next) = phases.get(k + 1) else {
-            return f64::INFINITY;
-        };
+    /// Does a foot land at the beginning of a phase.
+    fn begins_with_landing(&self, k: usize, phases: &[Phase]) -> bool {
         let lands = |c: Contact| {
             let foot = self.scene.interfaces[c.a.0].role == Role::Foot;
-            foot && !phases[k].state.contains(&c)
+            foot && !phases[k - 1].state.contains(&c)
         };
-        if next.state.iter().any(lands) {
-            let end: usize = p.steps[..=k].iter().sum();
-            p.settings.max_step * ((end - t) as f64 - 0.5)
-        } else {
-            f64::INFINITY
+        k > 0 && k < phases.len() && phases[k].state.iter().any(lands)
+    }
+
+    /// Does a foot land at the end of the phase of an interval, so soon after its middle, in its longest steps.
+    pub(super) fn before_landing(&self, t: usize, phases: &[Phase]) -> bool {
+        let p = &self.program;
+        let k = p.phase_of(t);
+        let end: usize = p.steps[..=k].iter().sum();
+        let until = p.settings.max_step * ((end - t) as f64 - 0.5);
+        until < BEFORE_LANDING && self.begins_with_landing(k + 1, phases)
+    }
+
+    /// Marks the intervals of fine grids before which a foot has landed, or after which one lands.
+    pub(super) fn around_landings(&mut self, phases: &[Phase]) {
+        for t in 0..self.program.intervals.len() {
+            let p = &self.program;
+            let k = p.phase_of(t);
+            let begin: usize = p.steps[..k].iter().sum();
+            let since = p.settings.max_step * ((t - begin) as f64 + 0.5);
+            let after = since < AFTER_LANDING && self.begins_with_landing(k, phases);
+            let around = after || self.before_landing(t, phases);
+            self.program.intervals[t].landing = around && self.program.is_fine();
         }
     }
 

@@ -97,8 +97,8 @@ pub struct Program {
     pub home: Vec<f64>,
     /// Weight of an interval or node of each phase in the costs that are sums over them.
     pub share: Vec<f64>,
-    /// Velocity and acceleration weights per velocity index.
-    pub motion_weights: Vec<(f64, f64)>,
+    /// Velocity and acceleration weights per velocity index, away from landings and around them.
+    pub motion_weights: [Vec<(f64, f64)>; 2],
     /// Scale of each row of the equations of motion.
     pub dynamics_scale: Vec<f64>,
     /// True if the first six rows of the equations of motion are the robot's momentum (`momentum.rs`).
@@ -124,6 +124,8 @@ const PARTS: f64 = 16.0;
 const MOST_PARTS: f64 = 3.0;
 /// Intervals of a phase whose costs have their plain weight.
 const REFERENCE_STEPS: f64 = 16.0;
+/// Longest steps of a grid on which what happens around a landing is shaped [s].
+pub(crate) const FINE_STEP: f64 = 0.03;
 
 /// With the default preset the costs of a phase do not depend on its number of intervals; the paper sums over nodes.
 fn shares(settings: &Settings, grid: Grid, steps: &[usize]) -> Vec<f64> {
@@ -167,7 +169,7 @@ impl Program {
                 duration_var: 0,
                 home: vec![0.0; nv],
                 share: shares(settings, grid, &steps),
-                motion_weights: vec![(0.0, 0.0); nv],
+                motion_weights: [vec![(0.0, 0.0); nv], vec![(0.0, 0.0); nv]],
                 dynamics_scale: vec![1.0; nv],
                 momentum: settings.preset == Preset::Paper
                     && system
@@ -186,6 +188,7 @@ impl Program {
         builder.start.update(&system.model, &system.start(scene));
         builder.scales(phases);
         builder.variables();
+        builder.around_landings(phases);
         builder.costs();
         for t in 0..n {
             builder.equations_of_motion(t);
@@ -215,6 +218,16 @@ impl Program {
     /// True if node velocities are unknowns of their own.
     pub fn has_velocities(&self) -> bool {
         self.grid == Grid::Motion && self.settings.integrator.has_velocities()
+    }
+
+    /// True if node velocities are unknowns and steps short enough to shape what happens around a landing.
+    pub fn is_fine(&self) -> bool {
+        self.has_velocities() && self.settings.max_step <= FINE_STEP
+    }
+
+    /// Velocity and acceleration weights of an interval per velocity index.
+    pub fn motion_weights(&self, t: usize) -> &[(f64, f64)] {
+        &self.motion_weights[usize::from(self.intervals[t].landing)]
     }
 
     /// True if nodes t and t+1 can differ: with explicit Euler rest fixes the first two, always the last two.

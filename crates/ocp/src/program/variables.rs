@@ -16,7 +16,7 @@ impl Builder<'_> {
         let loads: Vec<f64> = (0..self.scene.objects.len())
             .map(|o| self.heaviest(o, phases))
             .collect();
-        let states = self.program.has_velocities();
+        let fine = self.program.is_fine();
         let p = &mut self.program;
         let (system, weights) = (&p.system, &p.settings.weights);
         let g = self.scene.gravity.norm();
@@ -33,13 +33,20 @@ impl Builder<'_> {
                 };
                 for k in 0..6 {
                     p.dynamics_scale[i + k] = if k < 3 { force } else { force * arm };
-                    p.motion_weights[i + k] = if object {
-                        (weights.object_velocity, weights.object_acceleration)
-                    } else if states && k < 3 {
-                        (weights.velocity, weights.base_acceleration)
+                    let [away, around] = if object {
+                        [weights.object_acceleration; 2]
+                    } else if fine && k < 3 {
+                        [weights.base_acceleration, weights.landing_acceleration]
                     } else {
-                        (weights.velocity, weights.acceleration)
+                        [weights.acceleration; 2]
                     };
+                    let velocity = if object {
+                        weights.object_velocity
+                    } else {
+                        weights.velocity
+                    };
+                    p.motion_weights[0][i + k] = (velocity, away);
+                    p.motion_weights[1][i + k] = (velocity, around);
                 }
             } else {
                 p.dynamics_scale[i] = if joint.torque_limit.is_finite() {
@@ -47,7 +54,9 @@ impl Builder<'_> {
                 } else {
                     50.0
                 };
-                p.motion_weights[i] = (weights.velocity, weights.acceleration);
+                for kind in &mut p.motion_weights {
+                    kind[i] = (weights.velocity, weights.acceleration);
+                }
                 p.home[i] = self.scene.robot.home[i - system.model.joints[0].kind.nv()];
             }
         }

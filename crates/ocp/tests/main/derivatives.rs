@@ -1,6 +1,6 @@
 //! Every derivative of the assembled program against central differences of its values.
 
-use crate::scenes::{program, program_with};
+use crate::scenes::{fine_program, program, program_with};
 use ocp::{CostTerm, Grid, Integrator, Point, Preset, Trajectory};
 use solver::{ElementData, Problem};
 use spatial::Random;
@@ -160,6 +160,16 @@ fn programs_with_velocities_as_unknowns_match_central_differences() {
             assert!(labels.iter().any(|l| l.category == "torque at speed"));
             check_program(seed, program);
         }
+    }
+}
+
+#[test]
+fn programs_with_landings_on_fine_grids_match_central_differences() {
+    for seed in 0..3 {
+        let program = fine_program(seed);
+        let around = program.0.program.intervals.iter().filter(|i| i.landing);
+        assert_eq!(around.count(), 5, "the first two phases");
+        check_program(seed, program);
     }
 }
 

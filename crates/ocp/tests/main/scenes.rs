@@ -226,6 +226,22 @@ pub fn program_with(
     preset: Preset,
     integrator: Integrator,
 ) -> (Trajectory, Point) {
+    of_phases(seed, grid, preset, integrator, false)
+}
+
+/// The same backwards in time, so that the foot lands, in steps of 20 ms at most with constant acceleration.
+pub fn fine_program(seed: u64) -> (Trajectory, Point) {
+    let integrator = Integrator::ConstantAcceleration;
+    of_phases(seed, Grid::Motion, Preset::Default, integrator, true)
+}
+
+fn of_phases(
+    seed: u64,
+    grid: Grid,
+    preset: Preset,
+    integrator: Integrator,
+    fine: bool,
+) -> (Trajectory, Point) {
     let scene = random_scene(seed);
     let system = System::new(&scene).expect("a model");
     let collisions = CollisionModel::new(&scene, &system);
@@ -233,7 +249,7 @@ pub fn program_with(
         state: state(pairs),
         steps,
     };
-    let phases = vec![
+    let mut phases = vec![
         phase(3, &[(0, 5, UnilateralPatch), (3, 6, UnilateralPatch)]),
         phase(
             2,
@@ -257,6 +273,11 @@ pub fn program_with(
         ..Settings::new(preset, &scene.optimiser)
     };
     settings.weights.balance = 2.0;
+    if fine {
+        phases.reverse();
+        settings.max_step = 0.02;
+        settings.weights.landing_acceleration = 1.0; // beside 100 differences see nothing else
+    }
     let mut random = Random::new(seed + 5);
     let n: usize = match grid {
         Grid::Motion | Grid::Path => 8,
