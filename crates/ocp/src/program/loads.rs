@@ -1,7 +1,8 @@
 //! Loads of contacts: what they bear at rest, and how a contact that begins or ends takes its load up or gives it away.
 //!
 //! With u from 0 to 1 the way that a contact has behind it since it began, or before it until it ends, in so many
-//! sixteenths of a phase (margin `ramp`) or, on grids with velocities, in T_u if that is less: |f_i| ≤ u W, and for feet
+//! sixteenths of a phase (margin `ramp`; F times as many on fine grids) or, on grids with velocities, in T_u if that is less:
+//! |f_i| ≤ u W, and for feet
 //! f_n ≥ min(λ W, ½ u W) (margin `load`, λ) and the centre of pressure within max(u, u_0) of its extents around the last
 //! joint, moving to the middle with u.
 //!
@@ -14,6 +15,8 @@ use symbolic::{Contact, ContactState, InterfaceId};
 
 /// Longest ramp on grids with velocities, T_u [s].
 const LONGEST_RAMP: f64 = 0.1;
+/// Factor of the margin `ramp` on fine grids, F.
+const FINE_RAMP: f64 = 2.0;
 /// Times before and after a landing in which the robot's base is to be moved evenly [s].
 const BEFORE_LANDING: f64 = 0.3;
 const AFTER_LANDING: f64 = 0.2;
@@ -108,7 +111,8 @@ impl Builder<'_> {
         } else {
             f64::INFINITY
         };
-        let share = apart / p.settings.margins.ramp.min(longest);
+        let ramp = p.settings.margins.ramp * if p.is_fine() { FINE_RAMP } else { 1.0 };
+        let share = apart / ramp.min(longest);
         if share < 1.0 { share } else { 1.0 }
     }
 
