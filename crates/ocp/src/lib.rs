@@ -41,7 +41,9 @@ pub use motion::{Motion, Planner, Worst};
 pub use objective::{CostTerm, CostTerms};
 pub use point::Point;
 pub use problem::{Trajectory, physical_wrench};
-pub use program::{Force, Grid, Interval, Node, Phase, Program, RowLabel, Subject, goal_body};
+pub use program::{
+    Force, Grid, Interval, Node, Phase, Program, RowLabel, Stage, Subject, goal_body,
+};
 pub use refine::Refinement;
 pub use relative::{Body, Carrier};
 pub use relative_motion::Relative;

@@ -118,13 +118,23 @@ pub struct Force {
     pub rows: Vec<ForceRows>,
 }
 
+/// Weights of the motion by what feet do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Stage {
+    /// Nothing that counts.
+    #[default]
+    Away,
+    /// One lands soon or has just landed.
+    Landing,
+}
+
 /// One interval and the layout of its element.
 #[derive(Debug, Clone, Default)]
 pub struct Interval {
     /// Its phase.
     pub phase: usize,
-    /// Does a foot land soon, or has one just landed.
-    pub landing: bool,
+    /// Which weights its motion has.
+    pub stage: Stage,
     /// Number of wrench variables.
     pub n_wrench: usize,
     /// First wrench variable, global.

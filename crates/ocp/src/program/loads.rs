@@ -9,7 +9,7 @@
 //! Source: ours. A foot that bears little is turned by any moment that its controller counts on, so it should not stay so for
 //! long; benches/runs/2026-11-23-double-support.md, benches/runs/2026-11-23-calm-landings.md.
 
-use super::{Builder, PARTS, Phase};
+use super::{Builder, PARTS, Phase, Stage};
 use scene::{Owner, Role};
 use symbolic::{Contact, ContactState, InterfaceId};
 
@@ -142,8 +142,9 @@ impl Builder<'_> {
             let begin: usize = p.steps[..k].iter().sum();
             let since = p.settings.max_step * ((t - begin) as f64 + 0.5);
             let after = since < AFTER_LANDING && self.begins_with_landing(k, phases);
-            let around = after || self.before_landing(t, phases);
-            self.program.intervals[t].landing = around && self.program.is_fine();
+            if self.program.is_fine() && (after || self.before_landing(t, phases)) {
+                self.program.intervals[t].stage = Stage::Landing;
+            }
         }
     }
 

@@ -37,7 +37,7 @@ use symbolic::ContactState;
 
 pub use goal::goal_body;
 pub use interval::{
-    Force, ForceRows, IntegratorRows, Interval, OnRobot, Passage, Slip, Stick, Touch,
+    Force, ForceRows, IntegratorRows, Interval, OnRobot, Passage, Slip, Stage, Stick, Touch,
 };
 pub use label::{RowLabel, Subject};
 pub use node::{Node, NodeCost, NodeTerm};
@@ -97,7 +97,7 @@ pub struct Program {
     pub home: Vec<f64>,
     /// Weight of an interval or node of each phase in the costs that are sums over them.
     pub share: Vec<f64>,
-    /// Velocity and acceleration weights per velocity index, away from landings and around them.
+    /// Velocity and acceleration weights per velocity index, by [`Stage`].
     pub motion_weights: [Vec<(f64, f64)>; 2],
     /// Scale of each row of the equations of motion.
     pub dynamics_scale: Vec<f64>,
@@ -227,7 +227,7 @@ impl Program {
 
     /// Velocity and acceleration weights of an interval per velocity index.
     pub fn motion_weights(&self, t: usize) -> &[(f64, f64)] {
-        &self.motion_weights[usize::from(self.intervals[t].landing)]
+        &self.motion_weights[self.intervals[t].stage as usize]
     }
 
     /// True if nodes t and t+1 can differ: with explicit Euler rest fixes the first two, always the last two.

@@ -229,13 +229,8 @@ pub fn program_with(
     of_phases(seed, grid, preset, integrator, false)
 }
 
-/// The same backwards in time, so that the foot lands, in steps of 20 ms at most with constant acceleration.
-pub fn fine_program(seed: u64) -> (Trajectory, Point) {
-    let integrator = Integrator::ConstantAcceleration;
-    of_phases(seed, Grid::Motion, Preset::Default, integrator, true)
-}
-
-fn of_phases(
+/// The same or, if `fine`, backwards in time, so that the foot lands, in steps of 20 ms at most.
+pub fn of_phases(
     seed: u64,
     grid: Grid,
     preset: Preset,
