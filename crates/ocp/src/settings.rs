@@ -53,7 +53,7 @@ pub struct Weights {
     /// Accelerations [s⁴/rad²].
     pub acceleration: f64,
     /// Linear accelerations of the robot's base [s⁴/m²], on grids with velocities of at most 30 ms: ground that gives spoils less
-    /// of what a robot does slowly (benches/runs/2026-11-23-level-landings.md).
+    /// of what a robot does slowly (benches/runs/2026-11-24-landings.md).
     pub base_acceleration: f64,
     /// The same from 0.3 s before a foot lands until 0.2 s after.
     pub landing_acceleration: f64,

@@ -7,7 +7,8 @@
 //! joint, moving to the middle with u.
 //!
 //! Source: ours. A foot that bears little is turned by any moment that its controller counts on, so it should not stay so for
-//! long; benches/runs/2026-11-23-double-support.md, benches/runs/2026-11-23-calm-landings.md.
+//! long; benches/runs/2026-11-23-double-support.md, benches/runs/2026-11-23-calm-landings.md,
+//! benches/runs/2026-11-24-landings.md.
 
 use super::{Builder, PARTS, Phase, Stage};
 use scene::{Owner, Role};
