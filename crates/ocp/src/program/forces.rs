@@ -205,7 +205,7 @@ impl Builder<'_> {
             } else {
                 settings.pressure
             };
-            if fine {
+            if fine && weight > 0.0 {
                 weights[2] += settings.sharing * (force / weight).powi(2);
             }
             for (i, half) in [(3, y), (4, x)] {

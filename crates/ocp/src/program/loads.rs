@@ -18,7 +18,8 @@ use symbolic::{Contact, ContactState, InterfaceId};
 const LONGEST_RAMP: f64 = 0.1;
 /// Factor of the margin `ramp` on fine grids, F.
 const FINE_RAMP: f64 = 2.0;
-/// Times before and after a landing in which the robot's base is to be moved evenly [s].
+/// Time before a landing in which standing feet have `landing_pressure` and the base `landing_acceleration`, and time after
+/// one in which the base has it [s].
 const BEFORE_LANDING: f64 = 0.3;
 const AFTER_LANDING: f64 = 0.2;
 /// Share of the area for the centre of pressure that a foot has when its ramp begins.
