@@ -1,8 +1,9 @@
-//! Balance in keyframes: what the feet bear is to be above the middle of them.
+//! Balance: what the feet bear is to be above the middle of them, in keyframes, and on fine grids before another foot lands.
 //!
 //! Keyframes know no statics, so that they refuse nothing that a motion can do. A cost alone draws the centre of mass of the robot
 //! and of the objects in the air to where the feet can hold it still: what remains of it says how far a sequence is from what can
-//! be done slowly, and a motion begins from configurations that bear themselves.
+//! be done slowly, and a motion begins from configurations that bear themselves. On fine grids it draws a robot back that would fall
+//! into a landing ([`crate::settings::Weights::landing_balance`], benches/runs/2026-11-24-strides.md).
 
 use multibody::{CenterOfMass, Kinematics, Model, WeightedPoint};
 use nalgebra::Vector3;
@@ -23,6 +24,17 @@ impl Balance {
     pub fn cost(&self, model: &Model, kinematics: &Kinematics, scratch: &mut CenterOfMass) -> f64 {
         let away = scratch.compute_sum(model, kinematics, &self.points).0;
         0.5 * self.weight * self.horizontal(away).norm_squared()
+    }
+
+    /// The distance as a share of the height of the centre of mass above the contacts; infinite below them.
+    pub fn lean(&self, model: &Model, kinematics: &Kinematics, scratch: &mut CenterOfMass) -> f64 {
+        let away = scratch.compute_sum(model, kinematics, &self.points).0;
+        let height = self.up.dot(&away);
+        if height > 0.0 {
+            self.horizontal(away).norm() / height
+        } else {
+            f64::INFINITY
+        }
     }
 
     /// Gives gradient (index, value) and Hessian (row, column, value; parts of its lower triangle) to `first` and `second`.

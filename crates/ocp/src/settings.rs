@@ -65,6 +65,12 @@ pub struct Weights {
     pub pressure: f64,
     /// The same in the last 0.3 s before another foot lands, on grids of at most 30 ms.
     pub landing_pressure: f64,
+    /// Distance of the centre of mass from the middle of the feet that stand, in the last 0.4 s before another foot lands, on grids
+    /// of at most 30 ms [1/m²]: a robot that falls into a landing comes too fast for any controller.
+    pub landing_balance: f64,
+    /// Tangential forces of feet, in units of the robot's weight, on grids of at most 30 ms: feet that push against each other slip
+    /// where they bear little.
+    pub shear: f64,
     /// Loads of feet away from equal shares, in units of the robot's weight, on grids of at most 30 ms: a foot that bears little
     /// rattles where a controller holds it fast.
     pub sharing: f64,
@@ -80,7 +86,7 @@ pub struct Weights {
     pub penalty: f64,
     /// Distance along the direction of the objective at the end: height of the base, reach of a body [1/m].
     pub height: f64,
-    /// Distance of the centre of mass from the middle of the feet in keyframes [1/m²].
+    /// The same distance in keyframes [1/m²].
     pub balance: f64,
 }
 
@@ -97,6 +103,8 @@ impl Default for Weights {
             force: 1e-3,
             pressure: 0.5,
             landing_pressure: 100.0,
+            landing_balance: 300.0,
+            shear: 100.0,
             sharing: 1.0,
             force_rate: 0.02,
             object_velocity: 0.01,

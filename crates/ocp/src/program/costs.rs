@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::goal::{BASE, goal_body};
+use super::loads::BALANCED;
 use super::{Builder, NodeCost};
 use crate::balance::Balance;
 use crate::objective::CostTerm;
@@ -144,22 +145,34 @@ impl Builder<'_> {
         }
     }
 
-    /// In keyframes, robot and what it carries stand over the feet that stay where they are.
+    /// In keyframes, robot and what it carries stand over the feet that stay where they are; on fine grids just before another foot
+    /// lands.
     pub(super) fn balanced(&mut self, phases: &[Phase]) {
-        let keyframes = matches!(self.program.grid, Grid::Keyframes | Grid::OpenKeyframes);
-        let weight = self.program.settings.weights.balance;
-        if !keyframes || weight <= 0.0 {
-            return;
+        if matches!(self.program.grid, Grid::Keyframes | Grid::OpenKeyframes) {
+            let weight = self.program.settings.weights.balance;
+            for t in 1..=phases.len() {
+                self.balance(t, weight, &phases[t - 1..phases.len().min(t + 1)]);
+            }
+        } else if self.program.is_fine() {
+            let weight = self.program.settings.weights.landing_balance;
+            for t in 0..self.program.intervals.len() {
+                let k = self.program.phase_of(t);
+                if self.lands_within(BALANCED, t, phases) {
+                    self.balance(t, weight * self.program.share[k], &phases[k..k + 2]);
+                }
+            }
         }
-        let Some(up) = (-self.scene.gravity).try_normalize(0.0) else {
+    }
+
+    /// At a node, robot and what it carries stand over the feet that have contact in all of some phases.
+    fn balance(&mut self, t: usize, weight: f64, phases: &[Phase]) {
+        let up = (-self.scene.gravity).try_normalize(0.0);
+        let (Some(up), true, true) = (up, weight > 0.0, self.program.nodes[t].var.is_some()) else {
             return;
         };
-        for t in 1..=phases.len() {
-            let around = &phases[t - 1..phases.len().min(t + 1)];
-            let points = self.imbalance(around);
-            if !points.is_empty() && self.program.nodes[t].var.is_some() {
-                self.program.nodes[t].balance = Some(Balance { weight, up, points });
-            }
+        let points = self.imbalance(phases);
+        if !points.is_empty() {
+            self.program.nodes[t].balance = Some(Balance { weight, up, points });
         }
     }
 

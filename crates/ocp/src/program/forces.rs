@@ -182,8 +182,8 @@ impl Builder<'_> {
     }
 
     /// Weights of the squares of what a scaled wrench differs from its reference: alike, and where velocities are unknowns those
-    /// of a foot's moments about its middle with what they are on its edge. On fine grids that of its load too, and larger ones
-    /// of its moments while another foot is about to land, which comes down as the ground under this one lets the robot tilt.
+    /// of a foot's moments about its middle with what they are on its edge. On fine grids those of its load and of its tangential
+    /// force too, and larger ones of its moments while another foot is about to land, which comes down as the ground under this one lets the robot tilt.
     fn wrench_weights(
         &self,
         t: usize,
@@ -206,7 +206,11 @@ impl Builder<'_> {
                 settings.pressure
             };
             if fine && weight > 0.0 {
-                weights[2] += settings.sharing * (force / weight).powi(2);
+                let unit = (force / weight).powi(2);
+                weights[2] += settings.sharing * unit;
+                for tangential in &mut weights[..2] {
+                    *tangential += settings.shear * unit;
+                }
             }
             for (i, half) in [(3, y), (4, x)] {
                 let edge = weight * half;

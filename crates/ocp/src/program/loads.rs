@@ -22,6 +22,8 @@ const FINE_RAMP: f64 = 2.0;
 /// one in which the base has it [s].
 const BEFORE_LANDING: f64 = 0.3;
 const AFTER_LANDING: f64 = 0.2;
+/// Time before a landing in which the centre of mass is drawn over the feet that stand [s].
+pub(super) const BALANCED: f64 = 0.4;
 /// Share of the area for the centre of pressure that a foot has when its ramp begins.
 const FIRST_AREA: f64 = 0.15;
 
@@ -129,11 +131,16 @@ impl Builder<'_> {
 
     /// Does a foot land at the end of the phase of an interval, so soon after its middle, in its longest steps.
     pub(super) fn before_landing(&self, t: usize, phases: &[Phase]) -> bool {
+        self.lands_within(BEFORE_LANDING, t, phases)
+    }
+
+    /// The same within some time [s].
+    pub(super) fn lands_within(&self, time: f64, t: usize, phases: &[Phase]) -> bool {
         let p = &self.program;
         let k = p.phase_of(t);
         let end: usize = p.steps[..=k].iter().sum();
         let until = p.settings.max_step * ((end - t) as f64 - 0.5);
-        until < BEFORE_LANDING && self.begins_with_landing(k + 1, phases)
+        until < time && self.begins_with_landing(k + 1, phases)
     }
 
     /// Marks the intervals of fine grids before which a foot has landed, or after which one lands.

@@ -51,7 +51,7 @@ pub struct Node {
     pub posture: f64,
     /// As what that counts.
     pub posture_kind: CostTerm,
-    /// In keyframes: what is to be balanced on what.
+    /// In keyframes, and on fine grids before landings: what is to be balanced on what.
     pub balance: Option<Balance>,
 }
 

@@ -271,7 +271,10 @@ pub fn of_phases(
     if fine {
         phases.reverse();
         settings.max_step = 0.02;
-        settings.weights.landing_acceleration = 1.0; // beside 100 differences see nothing else
+        // Beside hundreds differences see nothing else.
+        settings.weights.landing_acceleration = 1.0;
+        settings.weights.landing_balance = 1.0;
+        settings.weights.shear = 1.0;
     }
     let mut random = Random::new(seed + 5);
     let n: usize = match grid {
