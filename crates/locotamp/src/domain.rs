@@ -1,6 +1,7 @@
 //! From a scene to the symbolic domain: the only place where geometry decides a symbolic fact (opposite patches).
 
 use crate::api::Error;
+use crate::strides::Strides;
 use nalgebra::Vector3;
 use scene::{Objective, Owner, Role, Scene};
 use std::collections::BTreeMap;
@@ -217,7 +218,7 @@ pub(crate) fn end_cost(scene: &Scene) -> Option<EndCost> {
     }))
 }
 
-/// A cost beside these: setting a foot on what does not face up at the start.
+/// A cost beside these: setting a foot on what does not face up at the start, or by a long stride from where others stand.
 pub(crate) fn own_cost(scene: &Scene) -> ExtraCost {
     let faces_up = |i: &scene::Interface| match i.owner {
         Owner::Robot { .. } => false,
@@ -227,12 +228,27 @@ pub(crate) fn own_cost(scene: &Scene) -> ExtraCost {
         }
         Owner::Static(_) => i.body_from_interface.rotate(Vector3::z()).z > UPWARD,
     };
+    // Where the base is to get high, long strides are what may help.
+    let strides = (scene.objective != Objective::BaseHeight).then(|| Strides::new(scene));
     let steep: Vec<bool> = scene.interfaces.iter().map(|i| !faces_up(i)).collect();
     Box::new(move |step: &Step<'_>| {
         let domain = step.graph.domain();
         let is_foot = |i| domain.is_effector(i, symbolic::Role::Foot);
-        let odd = |c: &&Contact| is_foot(c.a) && steep[c.b.0];
-        STEEP * step.action.makes.iter().filter(odd).count() as f64
+        let after = step.graph.state(step.to.state);
+        let effort = |from, to| strides.as_ref().map_or(0.0, |s| s.effort(from, to));
+        let cost = |c: &Contact| {
+            let least = |standing: &mut dyn Iterator<Item = Contact>| {
+                let others = standing.filter(|o| is_foot(o.a) && o.a != c.a);
+                let efforts = others.map(|o| effort(o.b.0, c.b.0));
+                efforts.min_by(f64::total_cmp)
+            };
+            // Out of a flight as if from where the feet stand at the start.
+            let start = step.graph.state(step.graph.root().state);
+            let effort = least(&mut after.iter()).or_else(|| least(&mut start.iter()));
+            effort.unwrap_or(0.0) + if steep[c.b.0] { STEEP } else { 0.0 }
+        };
+        let landings = step.action.makes.iter().filter(|c| is_foot(c.a));
+        landings.map(cost).sum()
     })
 }
 

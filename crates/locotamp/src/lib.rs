@@ -15,6 +15,7 @@ mod refine;
 mod search;
 mod solve;
 mod start;
+mod strides;
 mod summary;
 
 pub use api::{

@@ -12,6 +12,7 @@ mod difference;
 mod evaluated;
 mod guess;
 mod keyframes;
+mod lean;
 mod momentum;
 pub mod motion;
 mod objective;

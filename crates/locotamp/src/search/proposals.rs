@@ -10,9 +10,9 @@ use crate::api::{Attempt, Event, Reached};
 use crate::journal::{PointEntry, Tried};
 use crate::summary;
 use ocp::{Phase, Relative};
-use scene::Objective;
-use symbolic::Sequence;
+use scene::{Objective, Owner, Role};
 use symbolic::search::Rejected;
+use symbolic::{Contact, ContactState, Sequence};
 
 /// Phases at the end in which a sequence may differ from another whose motion it starts from.
 const DIFFERENT_AT_END: usize = 2;
@@ -26,6 +26,13 @@ const DRAWING: u64 = 2000;
 const PHASE: f64 = 0.5;
 /// What the cost of keyframes counts for: a phase costs as much as sixteen of its nodes.
 const STRAIN: f64 = 16.0;
+/// Lean at phase boundaries up to which a stride can be done slowly ([`ocp::Planner::leans`]), and beyond which it is as good as
+/// infinite; what lean between these adds: the stride past a stone or stair as much as the step onto it.
+const EASY_LEAN: f64 = 0.28;
+const MOST_LEAN: f64 = 2.0;
+const LEAN: f64 = 30.0;
+/// What a phase in flight adds: as much as six foot swings, like [`symbolic::Costs`]. Keyframes see none of what a jump takes.
+const FLIGHT: f64 = 18.0;
 /// Height by which a motion may end above its keyframes [m]: those are near the home posture at the end, motions stretch.
 const HEIGHT_ROOM: f64 = 0.12;
 
@@ -185,8 +192,25 @@ impl Run<'_> {
             self.leave_out(number, sequence, Reached::Keyframes, Some(reason), clock);
             return None;
         }
-        let promise = STRAIN * keyframes.report.objective + PHASE * phases.len() as f64;
+        let leans = self.shop.planner.leans(&phases, &keyframes.nodes);
+        let far = |lean: &f64| lean.clamp(EASY_LEAN, MOST_LEAN) - EASY_LEAN;
+        let far: f64 = leans.iter().map(far).sum();
+        let flights = phases.iter().filter(|p| self.flies(&p.state)).count();
+        let promise = STRAIN * keyframes.report.objective
+            + PHASE * phases.len() as f64
+            + LEAN * far
+            + FLIGHT * flights as f64;
         Some((promise, keyframes.nodes))
+    }
+
+    /// True if no foot has contact, and no hand with what is fixed.
+    fn flies(&self, state: &ContactState) -> bool {
+        let carries = |c: Contact| {
+            let [a, b] = [c.a, c.b].map(|i| &self.shop.planner.scene.interfaces[i.0]);
+            let robot = matches!(a.owner, Owner::Robot { .. });
+            robot && (a.role == Role::Foot || matches!(b.owner, Owner::Static(_)))
+        };
+        !state.iter().any(carries)
     }
 
     /// Why the sequence is not worth a try: others failed at the same contacts.
