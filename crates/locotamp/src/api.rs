@@ -267,6 +267,11 @@ pub struct Found {
 }
 
 impl Found {
+    /// True if the plan is the motion on the finer grid.
+    pub(crate) fn is_refined(&self) -> bool {
+        matches!(self.refined, Refined::Done { .. })
+    }
+
     /// Everything that is written about a motion.
     pub(crate) fn of(
         scene: &Scene,

@@ -14,17 +14,18 @@ mod turns;
 mod under_way;
 mod workers;
 
+use std::mem;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Instant;
 
-use crate::api::{Attempt, Error, Event, Outcome, Reached, Request, Search};
+use crate::api::{Attempt, Error, Event, Found, Outcome, Reached, Request, Search};
 use crate::checks::Checks;
 use crate::domain;
 use crate::journal::{Header, Journal, States};
 use crate::start::check_start;
-use diverse::Diverse;
+use diverse::{Diverse, Kept};
 use failures::Failures;
 use ocp::{Integrator, Phase, Planner, Point, Preset, Relative, Settings};
 use proposals::{Candidate, Work};
@@ -135,11 +136,14 @@ pub fn plan(
             failures: Failures::new(resting(scene)),
             attempts: vec![],
             diverse: Diverse::new(request.solutions),
+            refined: None,
+            coarse: None,
+            aside: vec![],
             nearest: None,
             first_after: None,
             relatives: vec![],
         };
-        let ended = run.search();
+        let ended = run.search_until_refined();
         Ok(run.finish(ended))
     })
 }
@@ -224,6 +228,11 @@ struct Run<'a> {
     attempts: Vec<Attempt>,
     /// The plans.
     diverse: Diverse,
+    /// The best of them, refined.
+    refined: Option<Found>,
+    /// The best of those that cannot be refined, and all of these.
+    coarse: Option<Found>,
+    aside: Vec<Kept>,
     /// Without any: the least violated motion.
     nearest: Option<Nearest>,
     first_after: Option<f64>,
@@ -232,6 +241,26 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
+    /// Tries sequences until enough plans are found and one of them is refined, if that is asked for: where none can be, they are
+    /// set aside and the search goes on. Says why it ended.
+    fn search_until_refined(&mut self) -> String {
+        loop {
+            let ended = self.search();
+            let enough = self.diverse.len() >= self.request.solutions;
+            if !enough || self.request.refinement.is_none() || self.is_stopped() {
+                return ended;
+            }
+            let best = self.refine_best(true);
+            if best.as_ref().is_some_and(Found::is_refined) || self.is_late() {
+                self.refined = best;
+                return ended;
+            }
+            self.coarse = self.coarse.take().or(best);
+            let plans = mem::replace(&mut self.diverse, Diverse::new(self.request.solutions));
+            self.aside.extend(plans.plans());
+        }
+    }
+
     /// Tries sequences until enough plans are found; says why it ended.
     fn search(&mut self) -> String {
         let mut ended = None;
@@ -276,7 +305,7 @@ impl Run<'_> {
         let request = self.request;
         if self.is_stopped() {
             Some("stopped by the caller".into())
-        } else if self.shop.begin.elapsed().as_secs_f64() > self.deadline() {
+        } else if self.is_after(self.deadline()) {
             Some(format!("time limit of {} s", request.time_limit))
         } else if plans >= request.solutions {
             Some(format!("{plans} plan(s) found, as asked for"))
@@ -285,6 +314,16 @@ impl Run<'_> {
         } else {
             None
         }
+    }
+
+    /// True after so many seconds of the run.
+    fn is_after(&self, seconds: f64) -> bool {
+        self.shop.begin.elapsed().as_secs_f64() > seconds
+    }
+
+    /// True if the time is over.
+    fn is_late(&self) -> bool {
+        self.is_after(self.request.time_limit)
     }
 
     /// Number of sequences whose motion has been optimised.

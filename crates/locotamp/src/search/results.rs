@@ -39,8 +39,7 @@ impl Run<'_> {
 
     /// Takes the plans that are there but for their turn, if the search was cut off.
     fn take_plans(&mut self) {
-        let late = self.shop.begin.elapsed().as_secs_f64() > self.deadline();
-        if !late && !self.is_stopped() {
+        if !self.is_after(self.deadline()) && !self.is_stopped() {
             return;
         }
         while let Ok(message) = self.workers.messages.try_recv() {
@@ -208,9 +207,18 @@ impl Run<'_> {
         let wanted = !self.is_stopped();
         self.take_plans();
         self.shop.stop.store(true, Ordering::SeqCst);
-        let feasible = self.diverse.best().is_some();
+        let mut refined = self.refined.take();
+        if refined.is_none() {
+            let latest = self.refine_best(wanted);
+            let coarse = self.coarse.take();
+            refined = match latest {
+                Some(found) if found.is_refined() || coarse.is_none() => Some(found),
+                _ => coarse,
+            };
+        }
+        let feasible = refined.is_some();
         let best = if feasible {
-            self.refined(wanted)
+            refined
         } else {
             self.nearest.take().map(|nearest| {
                 let Nearest {
@@ -230,10 +238,13 @@ impl Run<'_> {
                 )
             })
         };
+        let plans = self.diverse.plans().chain(self.aside);
+        let mut alternatives: Vec<Alternative> = plans.map(|kept| kept.alternative).collect();
+        alternatives.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         Outcome {
             feasible,
             best,
-            alternatives: self.diverse.plans().map(|kept| kept.alternative).collect(),
+            alternatives,
             first_after: self.first_after,
             attempts: self.attempts,
             impossible: self.checks.impossible(),
@@ -243,7 +254,7 @@ impl Run<'_> {
     }
 
     /// The cheapest plan whose motion can be refined; if none can, or it is not `wanted`, the cheapest as it is.
-    fn refined(&mut self, wanted: bool) -> Option<Found> {
+    pub fn refine_best(&mut self, wanted: bool) -> Option<Found> {
         let (planner, settings) = (self.shop.planner, self.shop.settings);
         let mut first: Option<(Motion, Refined, Vec<String>)> = None;
         let request = Request {
@@ -264,8 +275,7 @@ impl Run<'_> {
             }
             let failed = matches!(refined, Refined::Failed(_));
             first.get_or_insert((motion, refined, labels));
-            let late = self.shop.begin.elapsed().as_secs_f64() > request.time_limit;
-            if !failed || late || self.request.stop.is_set() {
+            if !failed || self.is_late() || self.request.stop.is_set() {
                 break;
             }
         }
