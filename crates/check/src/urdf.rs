@@ -46,8 +46,9 @@ const MAX_DEPTH: usize = 64;
 /// The text is not a URDF, the links do not form one tree, a number is absurd, or a joint is missing.
 pub(crate) fn read(text: &str, joints: &[String]) -> Result<Robot, UrdfError> {
     check_depth(text)?;
+    let text = without_nameless_textures(text);
     let urdf =
-        urdf_rs::read_from_string(text).map_err(|error| UrdfError::Xml(error.to_string()))?;
+        urdf_rs::read_from_string(&text).map_err(|error| UrdfError::Xml(error.to_string()))?;
     for name in joints {
         if !urdf
             .joints
@@ -102,6 +103,25 @@ fn check_depth(text: &str) -> Result<(), UrdfError> {
     } else {
         Ok(())
     }
+}
+
+/// The text without `<texture>` elements that name no file: they say nothing, and the XML reader refuses them.
+fn without_nameless_textures(text: &str) -> String {
+    let (mut kept, mut rest) = (String::new(), text);
+    while let Some(start) = rest.find("<texture") {
+        let (before, element) = rest.split_at(start);
+        let end = element.find('>').map_or(element.len(), |end| end + 1);
+        let (tag, mut after) = element.split_at(end);
+        kept.push_str(before);
+        if tag.contains("filename") {
+            kept.push_str(tag);
+        } else if !tag.ends_with("/>") {
+            let close = after.find("</texture>").map(|at| at + "</texture>".len());
+            after = close.map_or(after, |close| &after[close..]);
+        }
+        rest = after;
+    }
+    kept + rest
 }
 
 fn is_movable(joint: &urdf_rs::Joint) -> bool {

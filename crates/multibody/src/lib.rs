@@ -19,6 +19,7 @@ mod random_tree;
 mod rnea;
 mod rnea_derivatives;
 mod rnea_hessian;
+mod rpy;
 #[cfg(test)]
 mod samples;
 mod subtree;
@@ -37,3 +38,4 @@ pub use model::{Frame, Joint, JointKind, Model, PlacedShape, Root, Shape, Torque
 pub use rnea::Rnea;
 pub use rnea_derivatives::RneaDerivatives;
 pub use rnea_hessian::RneaHessian;
+pub use rpy::{rotation_from_rpy, rpy_from_rotation};

@@ -3,6 +3,7 @@
 //! Source: the URDF specification (wiki.ros.org/urdf/XML). Visual geometry, materials, transmissions and simulator tags
 //! are skipped. Every mistake is reported with its line and the link or joint that it belongs to.
 
+use crate::rpy::rotation_from_rpy;
 use crate::{ModelError, PlacedShape, Shape};
 use nalgebra::{Matrix3, Vector3};
 use roxmltree::{Document, Node};
@@ -35,6 +36,10 @@ pub(crate) struct Connection {
     pub axis: Vector3<f64>,
     pub limit: Option<Limit>,
     pub mimic: Option<Mimic>,
+    /// Torque per speed [N·m·s/rad or N·s/m]; 0 if the file says nothing.
+    pub damping: f64,
+    /// Torque whatever the speed [N·m or N]; 0 if the file says nothing.
+    pub friction: f64,
 }
 
 pub(crate) struct Limit {
@@ -252,6 +257,12 @@ fn parse_joint(node: Node) -> Result<Connection, ModelError> {
         }),
         None => None,
     };
+    // What is not used must not stop anyone: text that is no number counts as zero.
+    let resistance = |attribute| {
+        let element = item.child("dynamics");
+        let value = element.map_or(Ok(0.0), |dynamics| dynamics.number(attribute, 0.0));
+        value.unwrap_or(0.0)
+    };
     Ok(Connection {
         line: line_of(node),
         kind: node
@@ -265,6 +276,8 @@ fn parse_joint(node: Node) -> Result<Connection, ModelError> {
         axis,
         limit,
         mimic,
+        damping: resistance("damping"),
+        friction: resistance("friction"),
     })
 }
 
@@ -411,33 +424,5 @@ impl<'a, 'i> Item<'a, 'i> {
         let xyz = origin.vector("xyz", Some(Vector3::zeros()))?;
         let rpy = origin.vector("rpy", Some(Vector3::zeros()))?;
         Ok(Pose::from_parts(rotation_from_rpy(&rpy), xyz))
-    }
-}
-
-/// Rz(yaw) Ry(pitch) Rx(roll).
-#[rustfmt::skip]
-fn rotation_from_rpy(rpy: &Vector3<f64>) -> Matrix3<f64> {
-    let (sr, cr) = rpy.x.sin_cos();
-    let (sp, cp) = rpy.y.sin_cos();
-    let (sy, cy) = rpy.z.sin_cos();
-    Matrix3::new(
-        cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr,
-        sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr,
-        -sp,     cp * sr,                cp * cr,
-    )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::f64::consts::FRAC_PI_2;
-
-    #[test]
-    fn roll_pitch_yaw_turn_about_fixed_axes_in_this_order() {
-        let turned = rotation_from_rpy(&Vector3::new(FRAC_PI_2, 0.0, FRAC_PI_2)) * Vector3::y();
-        // roll takes y to z, yaw leaves z
-        assert!((turned - Vector3::z()).norm() < 1e-15);
-        let pitched = rotation_from_rpy(&Vector3::new(0.0, FRAC_PI_2, 0.0)) * Vector3::x();
-        assert!((pitched + Vector3::z()).norm() < 1e-15);
     }
 }

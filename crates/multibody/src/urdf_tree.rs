@@ -15,8 +15,8 @@ impl Model {
     /// A robot from the text of a URDF file, its root link floating or fixed.
     ///
     /// Joints come depth first, children in the order of the file. Fixed joints are merged. Joints that mimic another and
-    /// joints of zero range are locked, geometry of unknown kind is skipped; each leaves a sentence in
-    /// [`Model::notes`]. An effort or velocity limit that is missing or zero counts as unlimited.
+    /// joints of zero range are locked, geometry of unknown kind is skipped, damping and friction of joints are left out; each
+    /// leaves a sentence in [`Model::notes`]. An effort or velocity limit that is missing or zero counts as unlimited.
     ///
     /// # Errors
     /// [`ModelError`] for everything that is no tree of rigid bodies with mass; no text makes it panic.
@@ -29,6 +29,8 @@ impl Model {
             notes: description.notes.clone(),
         };
         walk.run(&description, &tree, root)?;
+        walk.notes
+            .extend(resistance_note(&description, &walk.joints));
         let mut model = Model::new(&description.name, walk.joints, walk.frames)
             .map_err(|error| name_the_link(error, &description))?;
         model.notes = walk.notes;
@@ -317,6 +319,24 @@ fn locked_at(connection: &Connection, lower: f64, upper: f64) -> Option<(f64, St
         ));
     }
     (lower == upper && lower.is_finite()).then(|| (lower, "has a range of zero".to_owned()))
+}
+
+/// What `<dynamics>` says of the moving joints, none of which is in the equations of motion.
+fn resistance_note(description: &Description, joints: &[Joint]) -> Option<String> {
+    let connections = description.joints.iter();
+    let moving = connections.filter(|c| joints.iter().any(|joint| joint.name == c.name));
+    let resisted: Vec<_> = moving
+        .filter(|c| c.damping != 0.0 || c.friction != 0.0)
+        .collect();
+    let largest = |of: fn(&Connection) -> f64| resisted.iter().map(|c| of(c)).fold(0.0, f64::max);
+    let (damping, friction) = (largest(|c| c.damping), largest(|c| c.friction));
+    (!resisted.is_empty()).then(|| {
+        format!(
+            "damping and friction of {} joints (<dynamics>: damping up to {damping} N·m·s/rad, friction up to {friction} N·m) \
+             are left out: motors must give that much more than the plan's torques; lower the effort limits by it where it counts",
+            resisted.len()
+        )
+    })
 }
 
 /// The candidate with the fewest edits (Levenshtein distance), the first of equals; empty if there is none.

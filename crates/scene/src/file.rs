@@ -17,6 +17,8 @@ pub(crate) struct SceneFile {
     pub name: At<String>,
     /// Name of a built-in robot ("g1"), or path of a robot file (.toml) or a URDF (.urdf), relative to the scene file.
     pub robot: At<String>,
+    /// Folder with the mesh files of the robot's URDF, relative to the scene file: links collide with shapes fitted around them.
+    pub meshes: Option<At<String>>,
     /// Gravity in the world [m/s²]; default [0, 0, -9.81].
     pub gravity: Option<At<[f64; 3]>>,
     /// Friction of all surfaces that give none of their own.

@@ -5,9 +5,10 @@ use crate::draft::Draft;
 use crate::file::{ObjectEntry, SceneFile};
 use crate::goal::{BASE_NAME, goal};
 use crate::interfaces::Friction;
+use crate::mesh_shapes::give_patches_shapes;
 use crate::parse::parse;
 use crate::place::{place_supported, world_pose};
-use crate::robot::{self, LoadedRobot};
+use crate::robot::{self, LoadedRobot, mesh_folder};
 use crate::source::{At, Source};
 use crate::start::start;
 use crate::{Fault, Object, Scene, SceneError, StaticBody, options, overlap, pace};
@@ -72,11 +73,20 @@ fn build(source: &Source, file: &SceneFile, base_dir: &Path) -> Result<Scene, Sc
         file.friction.mu_r.as_ref(),
     )?;
     let robot_place = source.place(file.robot.span());
+    let meshes = mesh_folder(source, file.meshes.as_ref(), base_dir)?;
     let LoadedRobot {
-        robot,
+        mut robot,
         interfaces,
         bare,
-    } = robot::load(&file.robot, robot_place, base_dir, friction, gravity)?;
+        unread,
+    } = robot::load(
+        &file.robot,
+        robot_place,
+        base_dir,
+        meshes,
+        friction,
+        gravity,
+    )?;
     let mut named: Vec<NamedInterface> = interfaces
         .into_iter()
         .map(|interface| (interface, file.robot.span()))
@@ -88,6 +98,8 @@ fn build(source: &Source, file: &SceneFile, base_dir: &Path) -> Result<Scene, Sc
         let problem = "it has no interfaces; list its hands and feet as [[robot_interface]]";
         return Err(source.bad_keys(file.robot.span(), "robot", problem));
     }
+    let limbs = named.iter().map(|(interface, _)| interface);
+    give_patches_shapes(&mut robot, limbs, &unread);
     let links = robot.model.frames.iter().map(|frame| frame.name.as_str());
     check_body_names(source, file, links)?;
     let (objects, statics) = read_bodies(source, file, friction, &mut named)?;

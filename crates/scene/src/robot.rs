@@ -3,6 +3,8 @@
 use crate::builtin;
 use crate::file::RobotInterfaceEntry;
 use crate::interfaces::{Friction, robot_interface};
+use crate::mesh_path::MeshFolders;
+use crate::mesh_shapes::with_fitted_shapes;
 use crate::nearest::{list, nearest};
 use crate::parse::parse;
 use crate::source::{At, Place, Source};
@@ -12,7 +14,7 @@ use multibody::{JointKind, Model, Root};
 use nalgebra::Vector3;
 use serde::Deserialize;
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Entries of q that belong to the floating base.
 pub(crate) const BASE: usize = 7;
@@ -29,6 +31,8 @@ pub(crate) struct RobotFile {
     pub name: At<String>,
     /// Path of the URDF, relative to this file.
     pub urdf: At<String>,
+    /// Folder with the mesh files that the URDF names, relative to this file.
+    pub meshes: Option<At<String>>,
     /// Where the description comes from.
     pub source: Option<String>,
     /// Its licence.
@@ -50,6 +54,8 @@ pub(crate) struct LoadedRobot {
     pub interfaces: Vec<Interface>,
     /// True if the robot came without a home posture.
     pub bare: bool,
+    /// Links with meshes that could not be read.
+    pub unread: Vec<String>,
 }
 
 /// Texts that a robot is made of.
@@ -57,22 +63,36 @@ struct Texts {
     urdf: String,
     /// Where the URDF is named.
     place: Place,
+    /// Where it is; `None` if it is built in.
+    path: Option<PathBuf>,
     file: Option<(Source, RobotFile)>,
 }
 
-/// The robot that `name` names, at `place` of a scene file in `base_dir`.
+/// The robot that `name` names, at `place` of a scene file in `base_dir`; its meshes are first looked for in `meshes`.
 pub(crate) fn load(
     name: &str,
     place: Place,
     base_dir: &Path,
+    meshes: Option<PathBuf>,
     friction: Friction,
     gravity: Vector3<f64>,
 ) -> Result<LoadedRobot, SceneError> {
     let texts = find_texts(name, place, base_dir)?;
-    let mut model = Model::from_urdf(&texts.urdf, Root::Floating).map_err(|source| {
-        let robot = name.to_owned();
-        SceneError::at(texts.place.clone(), Fault::Robot { robot, source })
-    })?;
+    let read = |urdf: &str| {
+        Model::from_urdf(urdf, Root::Floating).map_err(|source| {
+            let robot = name.to_owned();
+            SceneError::at(texts.place.clone(), Fault::Robot { robot, source })
+        })
+    };
+    let mut model = read(&texts.urdf)?;
+    let fitted = with_fitted_shapes(
+        &texts.urdf,
+        &mesh_folders(&texts, &base_dir.join(name), meshes)?,
+    );
+    if fitted.urdf != texts.urdf {
+        model = read(&fitted.urdf)?;
+    }
+    model.notes.extend(fitted.notes);
     model.gravity = gravity;
     let mut home = neutral_within_limits(&model);
     let mut interfaces = Vec::new();
@@ -87,14 +107,52 @@ pub(crate) fn load(
     Ok(LoadedRobot {
         robot: Robot {
             name: robot_name,
-            urdf: texts.urdf,
+            urdf: fitted.urdf,
             model,
             home,
             shapes,
         },
         interfaces,
         bare: texts.file.is_none(),
+        unread: fitted.unread,
     })
+}
+
+/// Where the meshes of a robot may be: in the folder that the scene names, then that of its own file.
+fn mesh_folders(
+    texts: &Texts,
+    robot_file: &Path,
+    of_scene: Option<PathBuf>,
+) -> Result<MeshFolders, SceneError> {
+    let mut given: Vec<PathBuf> = of_scene.into_iter().collect();
+    if let Some((source, file)) = &texts.file {
+        let beside = robot_file.parent().unwrap_or(Path::new(""));
+        given.extend(mesh_folder(source, file.meshes.as_ref(), beside)?);
+    }
+    Ok(match &texts.path {
+        Some(path) => MeshFolders::of_urdf(path, given),
+        None => MeshFolders::default(),
+    })
+}
+
+/// The folder that the key `meshes` names, from the folder of its file.
+pub(crate) fn mesh_folder(
+    source: &Source,
+    entry: Option<&At<String>>,
+    beside: &Path,
+) -> Result<Option<PathBuf>, SceneError> {
+    let Some(entry) = entry else {
+        return Ok(None);
+    };
+    let folder = beside.join(&**entry);
+    if folder.is_dir() {
+        return Ok(Some(folder));
+    }
+    let problem = format!(
+        "there is no folder {}; give that of the robot's package, or one above it",
+        folder.display()
+    );
+    Err(source.bad_keys(entry.span(), "meshes", &problem))
 }
 
 fn find_texts(name: &str, place: Place, base_dir: &Path) -> Result<Texts, SceneError> {
@@ -104,6 +162,7 @@ fn find_texts(name: &str, place: Place, base_dir: &Path) -> Result<Texts, SceneE
         return Ok(Texts {
             urdf: robot.urdf.to_owned(),
             place,
+            path: None,
             file: Some((source, file)),
         });
     }
@@ -113,6 +172,7 @@ fn find_texts(name: &str, place: Place, base_dir: &Path) -> Result<Texts, SceneE
         Some("urdf" | "xml") => Ok(Texts {
             urdf: read(&path, &place)?,
             place,
+            path: Some(path),
             file: None,
         }),
         Some("toml") => {
@@ -124,6 +184,7 @@ fn find_texts(name: &str, place: Place, base_dir: &Path) -> Result<Texts, SceneE
             Ok(Texts {
                 urdf: read(&urdf_path, &urdf_place)?,
                 place: urdf_place,
+                path: Some(urdf_path),
                 file: Some((source, file)),
             })
         }
@@ -235,8 +296,8 @@ pub(crate) fn unknown_name<'a>(
     source.fault(name.span(), fault)
 }
 
-/// Collision shapes per link. Capsules are put together again, other cylinders become boxes around them; meshes are left
-/// out, with a note in the model of links that have nothing else.
+/// Collision shapes per link. Capsules are put together again, other cylinders become boxes around them; meshes that are still
+/// there are left out, with a note in the model of links that have nothing else.
 fn collision_shapes(model: &mut Model) -> Vec<Vec<PlacedShape>> {
     let mut bare = Vec::new();
     let mut per_link = Vec::new();
@@ -262,8 +323,8 @@ fn collision_shapes(model: &mut Model) -> Vec<Vec<PlacedShape>> {
     }
     if !bare.is_empty() {
         let note = format!(
-            "meshes are not used for collisions, and these links have no other shape: {}; give those that can touch something \
-             boxes, spheres or capsules",
+            "these links have meshes that could not be read, and no other shape: {}; give those that can touch something boxes, \
+             spheres or capsules",
             bare.join(", ")
         );
         model.notes.push(note);

@@ -169,3 +169,23 @@ fn moments_of_inertia_that_should_be_zero_may_be_rounded_below_it() {
             .contains("moments of inertia")
     );
 }
+
+#[test]
+fn textures_without_a_file_are_passed_over_and_others_are_kept() {
+    for texture in [
+        "<texture/>",
+        "<texture />",
+        "<texture></texture>",
+        "<texture>\n</texture>",
+        "<texture filename='a.png'/>",
+    ] {
+        let visual = format!(
+            "<visual><geometry><sphere radius='1'/></geometry><material name='m'>{texture}</material></visual>"
+        );
+        let text = format!("<robot name='r'><link name='a'>{LINK}{visual}</link></robot>");
+        let robot = read(&text, &[]).unwrap();
+        assert_eq!((robot.links.len(), robot.shapes.len()), (1, 1), "{texture}");
+    }
+    let named = "<texture filename='a.png'></texture><texture filename='b.png'/>";
+    assert_eq!(without_nameless_textures(named), named);
+}

@@ -287,6 +287,26 @@ fn what_cannot_move_on_its_own_is_locked_and_said() {
 }
 
 #[test]
+fn damping_and_friction_of_joints_are_said_to_be_left_out_with_their_largest_values() {
+    let resisted = |text: &str| {
+        let text = chain().replace(LIMIT, &format!("{LIMIT}{text}"));
+        Model::from_urdf(&text, Root::Floating).unwrap().notes
+    };
+    let notes = resisted("<dynamics damping=\"0.5\" friction=\"2.25\"/>");
+    assert_eq!(notes.len(), 1, "{notes:?}");
+    for words in [
+        "of 2 joints",
+        "damping up to 0.5 N·m·s/rad",
+        "friction up to 2.25 N·m",
+    ] {
+        assert!(notes[0].contains(words), "{words}: {notes:?}");
+    }
+    for silent in ["<dynamics/>", "<dynamics damping=\"0\" friction=\"\"/>"] {
+        assert_eq!(resisted(silent), Vec::<String>::new());
+    }
+}
+
+#[test]
 fn no_mutation_of_a_robot_makes_it_panic() {
     let originals = [chain(), include_str!("../oracle/panda.urdf").to_owned()];
     let pieces = [

@@ -1,17 +1,8 @@
-//! Mesh files: STL (binary and text), OBJ, Collada.
+//! Mesh files as surfaces with colours.
 
-use super::collada::{self, Group};
 use super::surface::Surface;
-use mesh_loader::Loader;
 use nalgebra::Vector3;
 use std::path::Path;
-use std::{fs, io};
-
-/// Larger files are not read [bytes].
-const LARGEST: u64 = 100_000_000;
-
-/// No corner is further away than that [m].
-const FARTHEST: f64 = 1e6;
 
 /// A part of a file with one colour.
 #[derive(Debug)]
@@ -24,16 +15,11 @@ pub(super) struct Piece {
 /// The parts of a file, their numbers multiplied with `scale`, which must be positive.
 ///
 /// # Errors
-/// The file is too large, of another kind, or broken: what is wrong.
+/// As [`mesh::load`], or there is no triangle: what is wrong.
 pub(super) fn load(path: &Path, scale: &Vector3<f64>) -> Result<Vec<Piece>, String> {
-    let bytes = read(path).map_err(|error| error.to_string())?;
-    let groups = parse(path, &bytes).map_err(|what| match what {
-        Fault::Kind => "of a kind that is not read: .stl, .obj and .dae are".to_owned(),
-        Fault::Broken(what) => format!("broken: {what}"),
-    })?;
     let mut pieces = Vec::new();
-    for group in groups {
-        let surface = surface(&group, scale).map_err(|what| format!("broken: {what}"))?;
+    for group in mesh::load(path, scale)? {
+        let surface = Surface::welded(&group.places, &group.faces);
         if !surface.faces.is_empty() {
             let color = group.color;
             pieces.push(Piece { surface, color });
@@ -43,64 +29,4 @@ pub(super) fn load(path: &Path, scale: &Vector3<f64>) -> Result<Vec<Piece>, Stri
         return Err("there is no triangle in it".into());
     }
     Ok(pieces)
-}
-
-fn read(path: &Path) -> io::Result<Vec<u8>> {
-    let about = fs::metadata(path)?;
-    if !about.is_file() {
-        return Err(io::Error::other("not a file"));
-    }
-    if about.len() > LARGEST {
-        let [size, largest] = [about.len(), LARGEST].map(|x| x / 1_000_000);
-        return Err(io::Error::other(format!(
-            "{size} MB, more than the {largest} MB that are read; simplify it"
-        )));
-    }
-    fs::read(path)
-}
-
-enum Fault {
-    Kind,
-    Broken(String),
-}
-
-fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<Group>, Fault> {
-    let loader = Loader::default();
-    let ending = path.extension().unwrap_or_default().to_string_lossy();
-    let scene = match ending.to_lowercase().as_str() {
-        "stl" => loader.load_stl_from_slice(bytes, path),
-        "obj" => loader.load_obj_from_slice_with_reader(bytes, path, read),
-        "dae" => {
-            return collada::groups(&String::from_utf8_lossy(bytes)).map_err(Fault::Broken);
-        }
-        _ => return Err(Fault::Kind),
-    };
-    let scene = scene.map_err(|error| Fault::Broken(error.to_string()))?;
-    let colors = scene.materials.iter().map(|x| x.color.diffuse);
-    let colors = colors.chain(std::iter::repeat(None));
-    let groups = scene.meshes.into_iter().zip(colors).map(|(mesh, color)| {
-        let places = mesh.vertices.iter().map(|x| x.map(f64::from).into());
-        Group {
-            places: places.collect(),
-            faces: mesh.faces,
-            color: color.map(|[r, g, b, _]| [r, g, b].map(f64::from)),
-        }
-    });
-    Ok(groups.collect())
-}
-
-fn surface(group: &Group, scale: &Vector3<f64>) -> Result<Surface, String> {
-    // Adding 0 makes −0 and 0 equal.
-    let places = group.places.iter();
-    let places: Vec<_> = places
-        .map(|x| x.component_mul(scale).add_scalar(0.0))
-        .collect();
-    if !places.iter().flatten().all(|x| x.abs() < FARTHEST) {
-        return Err("a corner is no number, or a thousand kilometres away".into());
-    }
-    let known = |corner: &u32| (*corner as usize) < places.len();
-    if !group.faces.iter().flatten().all(known) {
-        return Err("a triangle has a corner that is not there".into());
-    }
-    Ok(Surface::welded(&places, &group.faces))
 }

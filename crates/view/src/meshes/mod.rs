@@ -3,10 +3,8 @@
 //! Frames: `file`, that of a mesh file. A surface is in its file's frame, scaled to metres; the signs of a URDF's `scale`
 //! (mirrored parts) are left to who draws it, so that left and right share a surface.
 
-mod collada;
 mod encode;
 mod load;
-mod locate;
 mod quadric;
 mod simplify;
 mod surface;
@@ -16,7 +14,7 @@ pub(crate) use surface::{Corner, Triangle};
 
 use crate::robot::mesh_names;
 use load::{Piece, load};
-use locate::locate;
+use mesh::locate;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::path::PathBuf;

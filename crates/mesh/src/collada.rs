@@ -13,7 +13,7 @@ const MOST: usize = 20_000;
 
 /// Triangles of one material.
 #[derive(Debug)]
-pub(super) struct Group {
+pub struct Group {
     /// Places [m].
     pub places: Vec<Vector3<f64>>,
     /// Indices as the file has them, not checked.
@@ -26,7 +26,7 @@ pub(super) struct Group {
 ///
 /// # Errors
 /// The text is no Collada file or contradicts itself: where.
-pub(super) fn groups(text: &str) -> Result<Vec<Group>, String> {
+pub(crate) fn groups(text: &str) -> Result<Vec<Group>, String> {
     let document = Document::parse(text).map_err(|error| error.to_string())?;
     let with_id = document.descendants();
     let ids = with_id.filter_map(|node| Some((node.attribute("id")?, node)));

@@ -7,7 +7,7 @@ use std::path::{Component, Path, PathBuf};
 ///
 /// # Errors
 /// The name is of a kind that is not read: what is wrong with it.
-pub(super) fn locate(name: &str, folders: &[PathBuf]) -> Result<Option<PathBuf>, String> {
+pub fn locate(name: &str, folders: &[PathBuf]) -> Result<Option<PathBuf>, String> {
     let path = match name.split_once("://") {
         Some(("package" | "model" | "file", path)) => path,
         Some((scheme, _)) => {
