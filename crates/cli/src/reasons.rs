@@ -1,12 +1,12 @@
 //! The most frequent reasons why sequences were given up.
 
-use locotamp::{Attempt, Impossible, Reached};
+use locotamp::{Attempt, Impossible, Reached, Refusal};
 use std::collections::BTreeMap;
 
 /// A reason and how often it decided.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Reason {
-    /// Number of sequences.
+    /// Number of sequences, or of what was refused before there were any.
     pub count: usize,
     /// How far they got, in words.
     pub stage: &'static str,
@@ -45,7 +45,11 @@ pub(crate) fn most_frequent(attempts: &[Attempt], impossible: &[Impossible]) -> 
         .collect();
     reasons.extend(impossible.iter().map(|refusal| Reason {
         count: refusal.refused,
-        stage: "refused",
+        stage: match refusal.what {
+            Refusal::Contacts => "refused",
+            Refusal::Lift => "too heavy",
+            Refusal::Beginning => "beginnings refused",
+        },
         what: refusal.contacts.join(", "),
         example: refusal.reason.clone(),
     }));
@@ -96,6 +100,7 @@ mod tests {
             ),
         ];
         let refused = Impossible {
+            what: Refusal::Contacts,
             contacts: vec!["left_foot on moon".into()],
             reason: "too far".into(),
             refused: 3,

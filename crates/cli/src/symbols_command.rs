@@ -5,6 +5,7 @@ use crate::failure::Failure;
 use crate::plan_command::load;
 use crate::symbols_graph::Graph;
 use crate::{Exit, output, symbols_text};
+use locotamp::Impossible;
 use scene::Scene;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -34,11 +35,17 @@ pub(crate) struct Symbols {
     pub all_counted: bool,
     /// The first skeletons, as labels of their actions.
     pub first: Vec<Vec<String>>,
+    /// Lifts of what is too heavy, which no skeleton has.
+    pub too_heavy: Vec<Impossible>,
 }
 
 impl Symbols {
     fn of(scene: Scene) -> Result<Self, Failure> {
-        let (mut graph, limits) = locotamp::graph(&scene)?;
+        let locotamp::Skeletons {
+            mut graph,
+            limits,
+            too_heavy,
+        } = locotamp::skeletons(&scene)?;
         let mut lengths: Vec<(usize, usize)> = Vec::new();
         let mut first = Vec::new();
         let label = |n: usize| graph.manipulation().task.operators()[n].label.clone();
@@ -61,6 +68,7 @@ impl Symbols {
             lengths,
             all_counted,
             first,
+            too_heavy,
             scene,
             graph,
         })
@@ -203,6 +211,7 @@ fn in_json(symbols: &Symbols) -> Value {
             "by_length": lengths.map(|(length, count)| json!([length, count])).collect::<Vec<_>>(),
             "complete": symbols.all_counted,
             "first": symbols.first,
+            "too_heavy": symbols.too_heavy.iter().map(|lift| &lift.reason).collect::<Vec<_>>(),
         },
     })
 }

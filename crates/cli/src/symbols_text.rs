@@ -141,6 +141,9 @@ fn skeletons(symbols: &Symbols, text: &mut String) {
         "more than "
     };
     let _ = writeln!(text, "\n{more}{total} skeletons of at most {n} actions");
+    for lift in &symbols.too_heavy {
+        let _ = writeln!(text, "  none with a lift where {}", lift.reason);
+    }
     if total == 0 {
         let _ = writeln!(text, "  no sequence of actions reaches the goal");
         return;
