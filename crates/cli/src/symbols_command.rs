@@ -122,6 +122,11 @@ fn write_pddl(scene: &Scene, folder: &Path) -> Result<(), Failure> {
     write(&folder.join("problem.pddl"), &problem.text(&domain))
 }
 
+/// A length or time without the last digits of its arithmetic, to a micrometre or microsecond.
+pub(crate) fn rounded(value: f64) -> f64 {
+    (1e6 * value).round() / 1e6
+}
+
 /// What carries an interface: "robot", the name of an object, or of a static body.
 pub(crate) fn owner(scene: &Scene, interface: &Interface) -> String {
     match interface.owner {
@@ -199,8 +204,8 @@ fn in_json(symbols: &Symbols) -> Value {
             "max_skeleton": symbols.graph.skeletons().max_actions(),
             "max_changes": scene.search.max_changes,
             "support_hands": scene.search.support_hands,
-            "min_duration": scene.optimiser.min_duration,
-            "max_duration": scene.optimiser.max_duration,
+            "min_duration": rounded(scene.optimiser.min_duration),
+            "max_duration": rounded(scene.optimiser.max_duration),
         },
         "rules": symbols.rules.iter().map(rule).collect::<Vec<_>>(),
         "along_skeletons": symbols.along_skeletons.map(|count| json!({
@@ -214,4 +219,15 @@ fn in_json(symbols: &Symbols) -> Value {
             "too_heavy": symbols.too_heavy.iter().map(|lift| &lift.reason).collect::<Vec<_>>(),
         },
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_digits_of_arithmetic_are_not_shown() {
+        assert_eq!(rounded(6.0 * 0.05).to_string(), "0.3");
+        assert_eq!(rounded(0.123_456_7).to_string(), "0.123457");
+    }
 }
