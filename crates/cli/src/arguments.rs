@@ -99,7 +99,7 @@ pub(crate) struct SearchOptions {
     #[arg(long, value_enum, default_value_t = SearchName::Tree)]
     pub search: SearchName,
     /// End with so many plans that differ in what bears load
-    #[arg(long, value_name = "N", default_value_t = 5)]
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = at_least_one)]
     pub solutions: usize,
     /// Optimise at most so many contact sequences
     #[arg(long, value_name = "N", default_value_t = 200)]
@@ -351,6 +351,13 @@ fn nodes(text: &str) -> Result<usize, String> {
     match text.parse::<usize>() {
         Ok(value @ 1..=1_000_000) => Ok(value),
         _ => Err("expected a whole number from 1 to 1000000".into()),
+    }
+}
+
+fn at_least_one(text: &str) -> Result<usize, String> {
+    match text.parse::<usize>() {
+        Ok(value @ 1..) => Ok(value),
+        _ => Err("expected a whole number of at least 1".into()),
     }
 }
 

@@ -175,6 +175,12 @@ pub(crate) fn run(options: &PlanOptions) -> Result<Exit, Failure> {
 }
 
 fn search(options: &PlanOptions, scene: &Scene, folder: &Folder) -> Result<Outcome, Failure> {
+    if options.search.resume && !options.quiet && !folder.journal().exists() {
+        output::error(&format!(
+            "note: nothing to resume, there is no {}: the search begins anew\n",
+            folder.journal().display()
+        ));
+    }
     let interrupted = interrupt::flag();
     let request = Request {
         seed: options.seed,

@@ -1,12 +1,12 @@
 //! The most frequent reasons why sequences were given up.
 
-use locotamp::{Attempt, Impossible, Reached};
+use locotamp::{Attempt, Impossible, Reached, Refusal};
 use std::collections::BTreeMap;
 
 /// A reason and how often it decided.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Reason {
-    /// Number of sequences.
+    /// Number of sequences, or of what was refused before there were any.
     pub count: usize,
     /// How far they got, in words.
     pub stage: &'static str,
@@ -45,13 +45,39 @@ pub(crate) fn most_frequent(attempts: &[Attempt], impossible: &[Impossible]) -> 
         .collect();
     reasons.extend(impossible.iter().map(|refusal| Reason {
         count: refusal.refused,
-        stage: "refused",
+        stage: match refusal.what {
+            Refusal::Contacts => "refused",
+            Refusal::Lift => "too heavy",
+            Refusal::Beginning => "beginnings refused",
+        },
         what: refusal.contacts.join(", "),
         example: refusal.reason.clone(),
     }));
     reasons.sort_by_key(|reason| std::cmp::Reverse(reason.count));
     reasons
 }
+
+/// What is likely wrong where no sequence came as far as a motion and all beginnings fail at the alignment of contacts.
+pub(crate) fn remedy(attempts: &[Attempt], impossible: &[Impossible]) -> Option<String> {
+    let moved = |a: &Attempt| matches!(a.reached, Reached::Optimised | Reached::Feasible);
+    let beginnings = impossible.iter().filter(|x| x.what == Refusal::Beginning);
+    let aligned = beginnings.map(|x| x.contacts.first()?.strip_prefix(ALIGNMENT));
+    let contacts: Vec<&str> = aligned.collect::<Option<_>>()?;
+    if contacts.is_empty() || attempts.iter().any(moved) {
+        return None;
+    }
+    let interface = |c: &&str| c.split(" on ").next().unwrap_or(c).to_owned();
+    let interfaces: Vec<String> = contacts.iter().map(interface).collect();
+    Some(format!(
+        "every beginning that was refused fails at the alignment of {}: do the z axes of {} and of what they touch point \
+         outwards, from the body into the free? `pose` of an interface turns it",
+        contacts.join(" or "),
+        interfaces.join(", ")
+    ))
+}
+
+/// How the reason of a contact begins whose normals do not meet.
+const ALIGNMENT: &str = "contact alignment of ";
 
 #[cfg(test)]
 mod tests {
@@ -68,6 +94,42 @@ mod tests {
             iterations: 0,
             seconds: 0.0,
         }
+    }
+
+    fn refused_beginning(what: &str, refused: usize) -> Impossible {
+        Impossible {
+            what: Refusal::Beginning,
+            contacts: vec![what.into()],
+            reason: format!("{what}: 1.5 rad off"),
+            refused,
+        }
+    }
+
+    #[test]
+    fn beginnings_that_all_fail_at_alignments_come_first_with_the_axis_as_remedy() {
+        let left = refused_beginning("contact alignment of left_hand on box_handle", 593);
+        let right = refused_beginning("contact alignment of right_hand on box_handle", 596);
+        let refused = [left, right];
+        let reasons = most_frequent(&[attempt(Reached::Keyframes, "too far")], &refused);
+        assert_eq!(
+            (reasons[0].count, reasons[0].stage),
+            (596, "beginnings refused")
+        );
+        let remedy =
+            |attempts: &[Attempt], refused: &[Impossible]| super::remedy(attempts, refused);
+        let text = remedy(&[], &refused).expect("a remedy");
+        assert!(
+            text.contains("left_hand on box_handle or right_hand on box_handle"),
+            "{text}"
+        );
+        assert!(text.contains("z axes of left_hand, right_hand"), "{text}");
+        assert_eq!(
+            remedy(&[attempt(Reached::Optimised, "torque")], &refused),
+            None
+        );
+        let far = refused_beginning("contact distance of left_hand on box_handle", 1);
+        assert_eq!(remedy(&[], &[far, refused[0].clone()]), None);
+        assert_eq!(remedy(&[], &[]), None);
     }
 
     #[test]
@@ -96,6 +158,7 @@ mod tests {
             ),
         ];
         let refused = Impossible {
+            what: Refusal::Contacts,
             contacts: vec!["left_foot on moon".into()],
             reason: "too far".into(),
             refused: 3,

@@ -32,6 +32,7 @@ pub(crate) fn write(finished: &Finished) -> Value {
         "reasons": reasons.iter().map(|r| json!({
             "count": r.count, "stage": r.stage, "what": r.what, "example": r.example,
         })).collect::<Vec<_>>(),
+        "remedy": reasons::remedy(&outcome.attempts, &outcome.impossible),
         "attempts": outcome.attempts.iter().map(attempt).collect::<Vec<_>>(),
     })
 }

@@ -221,6 +221,9 @@ fn explanation(outcome: &Outcome) -> String {
             reasons.len() - MOST_REASONS
         );
     }
+    if let Some(remedy) = reasons::remedy(&outcome.attempts, &outcome.impossible) {
+        let _ = writeln!(text, "{remedy}");
+    }
     text
 }
 

@@ -5,6 +5,7 @@ use crate::failure::Failure;
 use crate::plan_command::load;
 use crate::symbols_graph::Graph;
 use crate::{Exit, output, symbols_text};
+use locotamp::Impossible;
 use scene::Scene;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -34,11 +35,17 @@ pub(crate) struct Symbols {
     pub all_counted: bool,
     /// The first skeletons, as labels of their actions.
     pub first: Vec<Vec<String>>,
+    /// Lifts of what is too heavy, which no skeleton has.
+    pub too_heavy: Vec<Impossible>,
 }
 
 impl Symbols {
     fn of(scene: Scene) -> Result<Self, Failure> {
-        let (mut graph, limits) = locotamp::graph(&scene)?;
+        let locotamp::Skeletons {
+            mut graph,
+            limits,
+            too_heavy,
+        } = locotamp::skeletons(&scene)?;
         let mut lengths: Vec<(usize, usize)> = Vec::new();
         let mut first = Vec::new();
         let label = |n: usize| graph.manipulation().task.operators()[n].label.clone();
@@ -61,6 +68,7 @@ impl Symbols {
             lengths,
             all_counted,
             first,
+            too_heavy,
             scene,
             graph,
         })
@@ -112,6 +120,11 @@ fn write_pddl(scene: &Scene, folder: &Path) -> Result<(), Failure> {
     let (domain, problem) = locotamp::pddl(scene)?;
     write(&folder.join("domain.pddl"), domain.text())?;
     write(&folder.join("problem.pddl"), &problem.text(&domain))
+}
+
+/// A length or time without the last digits of its arithmetic, to a micrometre or microsecond.
+pub(crate) fn rounded(value: f64) -> f64 {
+    (1e6 * value).round() / 1e6
 }
 
 /// What carries an interface: "robot", the name of an object, or of a static body.
@@ -191,8 +204,8 @@ fn in_json(symbols: &Symbols) -> Value {
             "max_skeleton": symbols.graph.skeletons().max_actions(),
             "max_changes": scene.search.max_changes,
             "support_hands": scene.search.support_hands,
-            "min_duration": scene.optimiser.min_duration,
-            "max_duration": scene.optimiser.max_duration,
+            "min_duration": rounded(scene.optimiser.min_duration),
+            "max_duration": rounded(scene.optimiser.max_duration),
         },
         "rules": symbols.rules.iter().map(rule).collect::<Vec<_>>(),
         "along_skeletons": symbols.along_skeletons.map(|count| json!({
@@ -203,6 +216,18 @@ fn in_json(symbols: &Symbols) -> Value {
             "by_length": lengths.map(|(length, count)| json!([length, count])).collect::<Vec<_>>(),
             "complete": symbols.all_counted,
             "first": symbols.first,
+            "too_heavy": symbols.too_heavy.iter().map(|lift| &lift.reason).collect::<Vec<_>>(),
         },
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_digits_of_arithmetic_are_not_shown() {
+        assert_eq!(rounded(6.0 * 0.05).to_string(), "0.3");
+        assert_eq!(rounded(0.123_456_7).to_string(), "0.123457");
+    }
 }

@@ -1,6 +1,6 @@
 //! The symbolic problem of a scene for people.
 
-use crate::symbols_command::{BODIES, SHOWN_SKELETONS, Symbols, bodies, owner, role};
+use crate::symbols_command::{BODIES, SHOWN_SKELETONS, Symbols, bodies, owner, role, rounded};
 use std::fmt::Write;
 use symbolic::Contact;
 use symbolic::statistics::Count;
@@ -92,7 +92,8 @@ fn limits(symbols: &Symbols, text: &mut String) {
     let _ = writeln!(
         text,
         "  duration of a phase        {} to {} s",
-        optimiser.min_duration, optimiser.max_duration
+        rounded(optimiser.min_duration),
+        rounded(optimiser.max_duration)
     );
     let hands = if search.support_hands {
         "support"
@@ -141,6 +142,9 @@ fn skeletons(symbols: &Symbols, text: &mut String) {
         "more than "
     };
     let _ = writeln!(text, "\n{more}{total} skeletons of at most {n} actions");
+    for lift in &symbols.too_heavy {
+        let _ = writeln!(text, "  none with a lift where {}", lift.reason);
+    }
     if total == 0 {
         let _ = writeln!(text, "  no sequence of actions reaches the goal");
         return;

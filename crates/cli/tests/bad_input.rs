@@ -180,12 +180,13 @@ fn urdf_link(name: &str) -> String {
 #[test]
 fn bad_usage_ends_with_two() {
     let folder = tempfile::tempdir().unwrap();
-    let cases: [&[&str]; 5] = [
+    let cases: [&[&str]; 6] = [
         &[],
         &["paln", "pick-place"],
         &["plan", "pick-place", "--time-limit", "-3"],
         &["plan", "pick-place", "--preset", "fast"],
         &["check", "plan.json", "--substeps", "0"],
+        &["plan", "pick-place", "--solutions", "0"],
     ];
     for arguments in cases {
         let output = locotamp(folder.path(), arguments);
@@ -195,6 +196,60 @@ fn bad_usage_ends_with_two() {
             "{arguments:?}"
         );
     }
+}
+
+#[test]
+fn no_solutions_at_all_cannot_be_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = locotamp(folder.path(), &["plan", "pick-place", "--solutions", "0"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert_says(
+        &stderr(&output),
+        &["--solutions", "expected a whole number of at least 1"],
+    );
+}
+
+#[test]
+fn what_is_too_heavy_is_told_at_once_and_so_is_a_journal_that_is_missing() {
+    let folder = tempfile::tempdir().unwrap();
+    let handle = "mass = 60\ninterface = [{ name = \"handle\", side = \"+y\", position = [0, 0.125, 0], half_size = [0.03, 0.03], \
+                  contacts = [\"bilateral_patch\"] }]";
+    let scene = SCENE.replacen("mass = 1.0", handle, 1);
+    fs::write(folder.path().join("scene.toml"), scene).unwrap();
+    let arguments = ["plan", "scene.toml", "--out", "out", "--resume"];
+    let output = locotamp(folder.path(), &arguments);
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    assert_says(
+        &stderr(&output),
+        &["note: nothing to resume", "journal.jsonl", "begins anew"],
+    );
+    assert_says(
+        &stdout(&output),
+        &[
+            "0 sequences tried",
+            "every order of grasps and places needs contacts that are impossible",
+            "too heavy: crate weighs 588.6 N (60 kg), left_hand holding handle bears at most 60.0 N",
+            "at most 6.11 kg",
+        ],
+    );
+    let output = locotamp(folder.path(), &arguments);
+    assert!(!stderr(&output).contains("resume"), "{}", stderr(&output));
+}
+
+#[test]
+fn an_effort_limit_below_zero_is_refused_with_joint_and_value() {
+    let rest =
+        urdf_link("a") + &joint("one", "trunk", "a").replace("effort=\"30\"", "effort=\"-30\"");
+    let message = refused(&SCENE.replace("\"g1\"", "\"robot.urdf\""), &urdf(&rest));
+    assert_says(
+        &message,
+        &[
+            "robot.urdf",
+            "joint \"one\"",
+            "-30",
+            "expected a positive number",
+        ],
+    );
 }
 
 #[test]

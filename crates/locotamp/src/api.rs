@@ -121,7 +121,7 @@ pub enum Event {
         contacts: usize,
         /// Largest number of phases K_max.
         max_phases: usize,
-        /// Length of the shortest manipulation skeleton.
+        /// Length of the shortest manipulation skeleton; 0 also if there is none whose lifts are possible.
         skeleton: usize,
     },
     /// A complete contact sequence is looked at.
@@ -241,15 +241,27 @@ pub struct Alternative {
     pub plan: Plan,
 }
 
-/// Contacts that no configuration satisfies together: states that contain them, and transitions that join them, were refused
-/// before any sequence with them was looked at.
+/// What was refused before any sequence with it was looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Refusal {
+    /// States that contain some contacts, and transitions that join them: no configuration satisfies these together.
+    Contacts,
+    /// Lifts by contacts that bear less than the object weighs.
+    Lift,
+    /// Beginnings of sequences without keyframes.
+    Beginning,
+}
+
+/// Contacts that were refused, and why.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Impossible {
-    /// The contacts, "a on b".
+    /// What was refused for them.
+    pub what: Refusal,
+    /// The contacts, "a on b"; of beginnings what resists, without the amount.
     pub contacts: Vec<String>,
     /// Why, in words.
     pub reason: String,
-    /// Number of states and transitions that were refused for it.
+    /// Number of states, transitions, lifts or beginnings that were refused for it.
     pub refused: usize,
 }
 
@@ -306,7 +318,7 @@ pub struct Outcome {
     pub first_after: Option<f64>,
     /// All sequences tried, in order.
     pub attempts: Vec<Attempt>,
-    /// Contacts that were found to exclude one another.
+    /// Contacts that were refused: since they exclude one another, cannot bear what they lift, or end beginnings.
     pub impossible: Vec<Impossible>,
     /// Why the search ended, in words.
     pub ended: String,

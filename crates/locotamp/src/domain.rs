@@ -1,7 +1,9 @@
-//! From a scene to the symbolic domain: the only place where geometry decides a symbolic fact (opposite patches).
+//! From a scene to the symbolic domain: the only place where geometry decides symbolic facts (opposite patches, and by
+//! [`weight`] which lifts are none).
 
-use crate::api::Error;
+use crate::api::{Error, Impossible};
 use crate::strides::Strides;
+use crate::weight;
 use nalgebra::Vector3;
 use scene::{Objective, Owner, Role, Scene};
 use std::collections::BTreeMap;
@@ -94,11 +96,23 @@ pub fn pddl(scene: &Scene) -> Result<(DomainFile, Problem), Error> {
     Ok((file, problem.named(&scene.name)))
 }
 
-/// The skeleton-constrained graph of a scene, and the bounds of its search.
+/// What the search over contact sequences works on.
+#[derive(Debug)]
+pub struct Skeletons {
+    /// The skeleton-constrained graph, without lifts of what is too heavy.
+    pub graph: SkeletonGraph,
+    /// The bounds of its search.
+    pub limits: SearchLimits,
+    /// The lifts that were taken out.
+    pub too_heavy: Vec<Impossible>,
+}
+
+/// The skeleton-constrained graph of a scene, and the bounds of its search. Lifts are taken out if the goal were within reach
+/// with them, be it within reach without or not.
 ///
 /// # Errors
 /// If start, goal and domain do not fit together.
-pub fn graph(scene: &Scene) -> Result<(SkeletonGraph, SearchLimits), Error> {
+pub fn skeletons(scene: &Scene) -> Result<Skeletons, Error> {
     let start = scene.start_state();
     let goal = goal(scene);
     let options = GraphOptions {
@@ -108,13 +122,19 @@ pub fn graph(scene: &Scene) -> Result<(SkeletonGraph, SearchLimits), Error> {
         release_at_end: RELEASE_AT_END,
     };
     let domain = domain(scene)?;
-    let graph = match &scene.search.domain {
+    let mut graph = match &scene.search.domain {
         None => SkeletonGraph::new(domain, start, goal, options)?,
         Some(file) => {
             let actions = Manipulation::of(file, &domain, &start, &goal, options.release_at_end)?;
             SkeletonGraph::with_manipulation(domain, start, goal, options, actions)?
         }
     };
+    let mut too_heavy = vec![];
+    if graph.shortest_skeleton().is_some() {
+        let (lifts, reasons) = weight::impossible_lifts(scene, &graph);
+        graph.remove_actions(&lifts);
+        too_heavy = reasons;
+    }
     let natural =
         || symbolic::search::default_phases(&graph) + PHASES_PER_SWING * far_swings(scene);
     let limits = SearchLimits {
@@ -122,7 +142,11 @@ pub fn graph(scene: &Scene) -> Result<(SkeletonGraph, SearchLimits), Error> {
         ending: ending(scene),
         ..SearchLimits::default()
     };
-    Ok((graph, limits))
+    Ok(Skeletons {
+        graph,
+        limits,
+        too_heavy,
+    })
 }
 
 /// Phases of a foot swing, the base's way by one [m], and the way that takes none, since arms and legs reach as far [m].

@@ -17,11 +17,13 @@ mod solve;
 mod start;
 mod strides;
 mod summary;
+mod weight;
 
 pub use api::{
-    Alternative, Attempt, Error, Event, Found, Impossible, Outcome, Reached, Request, Search, Stop,
+    Alternative, Attempt, Error, Event, Found, Impossible, Outcome, Reached, Refusal, Request,
+    Search, Stop,
 };
-pub use domain::{domain, graph, pddl};
+pub use domain::{Skeletons, domain, pddl, skeletons};
 pub use ocp::{Integrator, Preset, Refinement};
 pub use plan::Explanation;
 pub use quality::{Margin, Peak, Quality, Residuals, Swing};

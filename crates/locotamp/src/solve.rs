@@ -211,7 +211,11 @@ fn keyframes(
     }
     let steps = planner.scene.search.steps;
     let limits = (Instant::now(), request.time_limit, request.stop.clone());
-    let mut checks = Checks::new((planner, settings, steps), limits, Journal::default());
+    let mut checks = Checks::new(
+        (planner, settings, steps),
+        limits,
+        (Journal::default(), vec![]),
+    );
     checks.keyframes_by_beginnings(phases).unwrap_or(found)
 }
 

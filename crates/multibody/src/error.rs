@@ -94,6 +94,11 @@ pub enum ModelError {
         lower: f64,
         upper: f64,
     },
+    /// An effort limit below zero.
+    #[error(
+        "joint {joint:?}: the effort limit is {effort} N·m (N for a slider), expected a positive number, or 0 for no limit"
+    )]
+    BadEffort { joint: String, effort: f64 },
     /// A mass below zero.
     #[error(
         "link {link:?}: mass is {mass} kg, expected a positive number; leave <inertial> out of massless frames"

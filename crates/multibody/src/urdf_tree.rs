@@ -16,7 +16,8 @@ impl Model {
     ///
     /// Joints come depth first, children in the order of the file. Fixed joints are merged. Joints that mimic another and
     /// joints of zero range are locked, geometry of unknown kind is skipped, damping and friction of joints are left out; each
-    /// leaves a sentence in [`Model::notes`]. An effort or velocity limit that is missing or zero counts as unlimited.
+    /// leaves a sentence in [`Model::notes`]. An effort or velocity limit that is missing or zero counts as unlimited, which is
+    /// noted of efforts.
     ///
     /// # Errors
     /// [`ModelError`] for everything that is no tree of rigid bodies with mass; no text makes it panic.
@@ -27,6 +28,7 @@ impl Model {
             joints: Vec::new(),
             frames: Vec::new(),
             notes: description.notes.clone(),
+            unlimited: Vec::new(),
         };
         walk.run(&description, &tree, root)?;
         walk.notes
@@ -34,6 +36,12 @@ impl Model {
         let mut model = Model::new(&description.name, walk.joints, walk.frames)
             .map_err(|error| name_the_link(error, &description))?;
         model.notes = walk.notes;
+        if !walk.unlimited.is_empty() {
+            model.notes.push(format!(
+                "no limit on the effort of {}: it is missing or 0 in the URDF; <limit effort=…> sets one [N·m or N]",
+                walk.unlimited.join(", ")
+            ));
+        }
         Ok(model)
     }
 }
@@ -126,6 +134,8 @@ struct Walk {
     joints: Vec<Joint>,
     frames: Vec<Frame>,
     notes: Vec<String>,
+    /// Joints without a limit on their effort.
+    unlimited: Vec<String>,
 }
 
 /// A link to be visited.
@@ -202,6 +212,16 @@ impl Walk {
                 carrier_from_child * kind.displacement(position),
             ));
         }
+        let effort = connection.limit.as_ref().map_or(0.0, |limit| limit.effort);
+        if effort < 0.0 {
+            return Err(ModelError::BadEffort {
+                joint: connection.name.clone(),
+                effort,
+            });
+        }
+        if effort == 0.0 {
+            self.unlimited.push(connection.name.clone());
+        }
         let limit_or_infinite =
             |value: Option<f64>| value.filter(|x| *x > 0.0).unwrap_or(f64::INFINITY);
         let joint = self.push(Joint {
@@ -214,7 +234,7 @@ impl Walk {
             velocity_limit: limit_or_infinite(
                 connection.limit.as_ref().map(|limit| limit.velocity),
             ),
-            torque_limit: limit_or_infinite(connection.limit.as_ref().map(|limit| limit.effort)),
+            torque_limit: limit_or_infinite(Some(effort)),
             ..floating_joint()
         });
         Ok((Some(joint), Pose::identity()))

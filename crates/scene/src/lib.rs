@@ -7,6 +7,7 @@
 
 mod bodies;
 mod builtin;
+mod doubts;
 mod draft;
 mod error;
 mod file;

@@ -139,6 +139,7 @@ fn build(source: &Source, file: &SceneFile, base_dir: &Path) -> Result<Scene, Sc
         objective: goal.objective,
         search: options::search(source, &file.search, base_dir)?,
         optimiser: options::optimiser(source, &file.optimiser, durations)?,
+        doubts: crate::doubts::doubts(file, gravity),
     })
 }
 

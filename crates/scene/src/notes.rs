@@ -11,6 +11,7 @@ impl Scene {
     /// What is unusual or left out: of the robot's description, and whether the robot can stand as it starts.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = self.robot.model.notes.clone();
+        notes.extend(self.doubts.iter().cloned());
         if let Some(beyond) = self.beyond_soles().filter(|beyond| *beyond > LEAST) {
             notes.push(format!(
                 "at the start the centre of mass is {:.0} mm outside the soles: the robot cannot stand like that, only fall or \

@@ -238,4 +238,6 @@ pub struct Scene {
     pub search: SearchOptions,
     /// Optimiser options.
     pub optimiser: OptimiserOptions,
+    /// Numbers of the file that look like mistakes, in words.
+    pub doubts: Vec<String>,
 }

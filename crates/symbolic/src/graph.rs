@@ -162,6 +162,12 @@ impl SkeletonGraph {
         })
     }
 
+    /// Takes skeleton actions out that the caller knows to be impossible, given by the positions that they join. To be called
+    /// before a search begins.
+    pub fn remove_actions(&mut self, between: &BTreeSet<(TaskState, TaskState)>) {
+        self.skeletons.remove(&self.manipulation.task, between);
+    }
+
     /// The node of the start state.
     pub fn root(&self) -> Node {
         Node {
@@ -265,6 +271,12 @@ impl SkeletonGraph {
             .keys()
             .copied()
             .filter(move |i| !self.positions[position.0].engaged.contains(i))
+    }
+
+    /// The contacts that free robot interfaces may make at a position.
+    pub fn free_contacts(&self, position: TaskState) -> impl Iterator<Item = Contact> + '_ {
+        self.free_interfaces(position)
+            .flat_map(|i| self.free_landings[&i].iter().copied())
     }
 
     /// True if the state satisfies what the position imposes, and holds no other fact of the task: a second grasp

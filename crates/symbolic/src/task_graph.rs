@@ -1,6 +1,6 @@
 //! The states of a task within an action limit, with their distances to the goal, and the plans through them.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use crate::error::SymbolicError;
 use crate::task::{FactSet, Task};
@@ -130,6 +130,14 @@ impl TaskGraph {
                 }
             }
         }
+    }
+
+    /// Takes edges out, given by their ends. States stay, also those that are out of reach then.
+    pub(crate) fn remove(&mut self, task: &Task, edges: &BTreeSet<(TaskState, TaskState)>) {
+        for (from, out) in self.edges.iter_mut().enumerate() {
+            out.retain(|edge| !edges.contains(&(TaskState(from), edge.to)));
+        }
+        self.measure_distances(task);
     }
 
     /// Number of states within reach.

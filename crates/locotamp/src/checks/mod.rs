@@ -7,16 +7,18 @@
 
 mod beginnings;
 mod feet_anew;
+mod refusals;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Instant;
 
-use crate::api::{Impossible, Stop};
+use crate::api::{Impossible, Refusal, Stop};
 use crate::journal::{Answer, Journal, States};
-use crate::summary;
+use crate::{summary, weight};
 use beginnings::Refused;
 use feet_anew::FeetAnew;
 use ocp::{Keyframes, Phase, Planner, Settings};
+use refusals::Refusals;
 use scene::{Owner, Role, Scene};
 use symbolic::{Anew, Contact, ContactState, Oracle, Verdict};
 
@@ -42,8 +44,8 @@ pub(crate) struct Checks<'a> {
     possible: BTreeSet<ContactState>,
     /// Smallest sets that none satisfies.
     impossible: Vec<Core>,
-    /// What is impossible before an object is moved.
-    before_moved: Vec<Impossible>,
+    /// What else was refused.
+    refusals: Refusals,
 }
 
 /// Contacts that exclude one another.
@@ -54,11 +56,11 @@ struct Core {
 }
 
 impl<'a> Checks<'a> {
-    /// Nothing known but what the journal holds.
+    /// Nothing known but what the journal holds, and lifts that were found to be impossible.
     pub fn new(
         (planner, settings, steps): (&'a Planner<'a>, &'a Settings, usize),
         (begin, time_limit, stop): (Instant, f64, Stop),
-        journal: Journal,
+        (journal, too_heavy): (Journal, Vec<Impossible>),
     ) -> Self {
         Self {
             scene: planner.scene,
@@ -74,7 +76,10 @@ impl<'a> Checks<'a> {
             refused: None,
             possible: BTreeSet::new(),
             impossible: Vec::new(),
-            before_moved: Vec::new(),
+            refusals: Refusals {
+                too_heavy,
+                ..Refusals::default()
+            },
         }
     }
 
@@ -212,20 +217,17 @@ impl<'a> Checks<'a> {
         }
     }
 
-    /// Contacts that were found to exclude one another, in the order in which they were found; then those that do so before an
-    /// object is moved.
+    /// Contacts that were found to exclude one another, in the order in which they were found; those that do so before an
+    /// object is moved; lifts of what is too heavy; beginnings.
     pub fn impossible(&self) -> Vec<Impossible> {
         let one = |core: &Core| Impossible {
+            what: Refusal::Contacts,
             contacts: self.names(&core.contacts),
             reason: core.reason.clone(),
             refused: core.refused,
         };
-        let before_moved = self.before_moved.iter().cloned();
-        self.impossible
-            .iter()
-            .map(one)
-            .chain(before_moved)
-            .collect()
+        let cores = self.impossible.iter().map(one);
+        cores.chain(self.refusals.all().cloned()).collect()
     }
 }
 
@@ -261,7 +263,8 @@ impl Oracle for Checks<'_> {
             self.names(&bound).join(" with "),
             answer.reason.unwrap_or_default()
         );
-        self.before_moved.push(Impossible {
+        self.refusals.before_moved.push(Impossible {
+            what: Refusal::Contacts,
             contacts: self.names(&bound),
             reason: reason.clone(),
             refused: 1,
@@ -274,6 +277,11 @@ impl Oracle for Checks<'_> {
     }
 
     fn transition(&mut self, from: &ContactState, to: &ContactState) -> Verdict {
+        if let Some(found) = weight::fault(self.scene, from, to) {
+            let reason = found.reason.clone();
+            self.refusals.note_lift(found);
+            return Verdict::Reject(reason);
+        }
         let both = from.iter().chain(to.iter()).collect();
         match self.verdict(&both) {
             None => Verdict::Accept,
@@ -293,7 +301,9 @@ impl Oracle for Checks<'_> {
         if answer.possible {
             return Verdict::Accept;
         }
-        Verdict::Reject(answer.reason.unwrap_or_default())
+        let reason = answer.reason.unwrap_or_default();
+        self.refusals.note_beginning(&reason);
+        Verdict::Reject(reason)
     }
 
     fn stop(&mut self) -> bool {
@@ -311,7 +321,7 @@ mod tests {
         Checks::new(
             (planner, settings, 8),
             (Instant::now(), f64::INFINITY, Stop::default()),
-            Journal::default(),
+            (Journal::default(), vec![]),
         )
     }
 
@@ -374,6 +384,9 @@ mod tests {
             for k in 2..=states.len() {
                 if let Verdict::Reject(reason) = checks.prefix(&states[..k]) {
                     refused.push(format!("{} {k}: {reason}", path.display()));
+                }
+                if let Some(lift) = weight::fault(&scene, states[k - 2], states[k - 1]) {
+                    refused.push(format!("{} {k}: {}", path.display(), lift.reason));
                 }
                 let resting = checks.resting(&scene.start_state());
                 let rests = |o: &usize| {

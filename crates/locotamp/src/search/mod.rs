@@ -51,6 +51,9 @@ const REFINING: f64 = 0.8;
 /// Largest share of the time limit that is kept for refining.
 const MOST_REFINING: f64 = 0.6;
 
+/// Why a search ends for which no skeleton is left.
+const NO_SKELETON: &str = "every order of grasps and places needs contacts that are impossible";
+
 /// Finds contacts and motion for a scene.
 ///
 /// `observe` sees everything that happens and ends the search by returning false; the best so far is returned then.
@@ -66,14 +69,19 @@ pub fn plan(
     let begin = Instant::now();
     let planner = Planner::new(scene)?;
     check_start(scene, &planner)?;
-    let (graph, limits) = domain::graph(scene)?;
-    let Some(skeleton) = graph.shortest_skeleton() else {
+    let domain::Skeletons {
+        graph,
+        limits,
+        too_heavy,
+    } = domain::skeletons(scene)?;
+    let skeleton = graph.shortest_skeleton();
+    if skeleton.is_none() && too_heavy.is_empty() {
         let goal = goal_contacts(scene).join(", ");
         return Err(Error::Unreachable(format!(
             "no sequence of grasp, lift, place and release leads to the goal {goal}; does a hand accept the object's \
              handle or two opposite patches, and the goal surface its bottom?"
         )));
-    };
+    }
     let contacts = graph.domain().contacts().len();
     let policy = policy(scene, request, graph, &limits);
     let mut settings = settings(scene, request)?;
@@ -100,7 +108,7 @@ pub fn plan(
         interfaces: scene.interfaces.len(),
         contacts,
         max_phases: policy.max_phases(),
-        skeleton,
+        skeleton: skeleton.unwrap_or(0),
     };
     let stop = AtomicBool::new(!observe(&started));
     let shop = Shop {
@@ -114,7 +122,7 @@ pub fn plan(
     let checks = Checks::new(
         (&planner, &settings, scene.search.steps),
         (begin, request.time_limit, request.stop.clone()),
-        journal,
+        (journal, too_heavy),
     );
     thread::scope(|scope| {
         let workers = Workers::start(scope, IN_FLIGHT, threads(request), shop);
@@ -348,9 +356,8 @@ impl Run<'_> {
     fn exhausted(&self) -> String {
         match self.policy.status() {
             symbolic::Status::Full => "memory limit of the sequence search".into(),
-            symbolic::Status::NoSkeleton => {
-                "every order of grasps and places needs contacts that are impossible".into()
-            }
+            symbolic::Status::NoSkeleton => NO_SKELETON.into(),
+            _ if self.policy.graph().shortest_skeleton().is_none() => NO_SKELETON.into(),
             _ => format!(
                 "all contact sequences of at most {} phases were tried",
                 self.policy.max_phases()

@@ -192,15 +192,22 @@ impl Run<'_> {
             self.leave_out(number, sequence, Reached::Keyframes, Some(reason), clock);
             return None;
         }
-        let leans = self.shop.planner.leans(&phases, &keyframes.nodes);
-        let far = |lean: &f64| lean.clamp(EASY_LEAN, MOST_LEAN) - EASY_LEAN;
-        let far: f64 = leans.iter().map(far).sum();
+        let promise = STRAIN * keyframes.report.objective + PHASE * phases.len() as f64;
+        let strides = self.strides(&phases, &keyframes.nodes);
+        Some((promise + strides, keyframes.nodes))
+    }
+
+    /// What long strides and flights add to that. Where the base is to get high, strides are what may help.
+    fn strides(&self, phases: &[Phase], nodes: &[Vec<f64>]) -> f64 {
         let flights = phases.iter().filter(|p| self.flies(&p.state)).count();
-        let promise = STRAIN * keyframes.report.objective
-            + PHASE * phases.len() as f64
-            + LEAN * far
-            + FLIGHT * flights as f64;
-        Some((promise, keyframes.nodes))
+        let planner = self.shop.planner;
+        let leans = if planner.scene.objective == Objective::BaseHeight {
+            vec![]
+        } else {
+            planner.leans(phases, nodes)
+        };
+        let far = |lean: &f64| lean.clamp(EASY_LEAN, MOST_LEAN) - EASY_LEAN;
+        LEAN * leans.iter().map(far).sum::<f64>() + FLIGHT * flights as f64
     }
 
     /// True if no foot has contact, and no hand with what is fixed.

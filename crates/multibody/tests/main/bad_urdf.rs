@@ -307,6 +307,26 @@ fn damping_and_friction_of_joints_are_said_to_be_left_out_with_their_largest_val
 }
 
 #[test]
+fn an_effort_limit_of_zero_is_none_and_said_and_one_below_is_refused() {
+    let with = |effort: &str| chain().replace("effort=\"10\"", &format!("effort=\"{effort}\""));
+    assert_ne!(with("0"), chain());
+    let model = Model::from_urdf(&with("0"), Root::Floating).expect("unlimited joints");
+    assert!(
+        model
+            .joints
+            .last()
+            .is_some_and(|j| j.torque_limit.is_infinite())
+    );
+    let said = |part: &str| model.notes.iter().any(|note| note.contains(part));
+    assert!(said("no limit on the effort of j1"), "{:?}", model.notes);
+    refused(
+        &with("-7"),
+        |error| matches!(error, ModelError::BadEffort { .. }),
+        &["\"j1\"", "-7"],
+    );
+}
+
+#[test]
 fn no_mutation_of_a_robot_makes_it_panic() {
     let originals = [chain(), include_str!("../oracle/panda.urdf").to_owned()];
     let pieces = [
