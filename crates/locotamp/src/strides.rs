@@ -122,49 +122,51 @@ fn base_height(scene: &Scene, surfaces: &[Option<Surface>]) -> f64 {
 }
 
 /// Places of a grid on a surface where a sole fits in one direction at least and no static body is in its way.
-fn places(
-    scene: &Scene,
-    world_from: &Pose,
-    half_size: Option<[f64; 2]>,
-    sole: f64,
-) -> Vec<[f64; 2]> {
-    let boxes = boxes(scene);
-    let origin = world_from.origin();
-    let points: Vec<Vector3<f64>> = match half_size {
-        Some(half) => {
-            let room = half.map(|h| (h - sole).max(0.0));
-            let steps = room.map(|r| (2.0 * r / GRID).ceil() as usize);
-            let at = |i: usize, axis: usize| {
-                -room[axis] + 2.0 * room[axis] * i as f64 / steps[axis].max(1) as f64
-            };
-            let rows = (0..=steps[0]).flat_map(|i| (0..=steps[1]).map(move |j| (i, j)));
-            rows.map(|(i, j)| world_from.act(Vector3::new(at(i, 0), at(j, 1), 0.0)))
-                .collect()
-        }
-        None => {
-            let base = |i: usize| scene.start.get(i).copied().unwrap_or(0.0);
-            let mut low = [base(0), base(1)];
-            let mut high = low;
-            for corner in boxes.iter().flat_map(Block::corners) {
-                for axis in 0..2 {
-                    low[axis] = low[axis].min(corner[axis]);
-                    high[axis] = high[axis].max(corner[axis]);
-                }
-            }
-            let steps =
-                |axis: usize| ((high[axis] - low[axis] + 2.0 * AROUND) / GRID).ceil() as usize;
-            let at = |i: usize, axis: usize| low[axis] - AROUND + GRID * i as f64;
-            let rows = (0..=steps(0)).flat_map(|i| (0..=steps(1)).map(move |j| (i, j)));
-            rows.map(|(i, j)| Vector3::new(at(i, 0), at(j, 1), origin.z))
-                .collect()
-        }
-    };
-    let free = |p: &Vector3<f64>| !boxes.iter().any(|b| b.is_in_the_way(p, sole));
-    points
+fn places(scene: &Scene, pose: &Pose, half_size: Option<[f64; 2]>, sole: f64) -> Vec<[f64; 2]> {
+    let blocks = blocks(scene);
+    let points = half_size.map_or_else(
+        || points_around(scene, &blocks, pose.origin().z),
+        |half| points_on(pose, half, sole),
+    );
+    let free = |p: &&Vector3<f64>| !blocks.iter().any(|b| b.is_in_the_way(p, sole));
+    points.iter().filter(free).map(|p| [p.x, p.y]).collect()
+}
+
+/// Points of a patch at which a sole of this half length stays within it, at least its middle.
+fn points_on(pose: &Pose, half_size: [f64; 2], sole: f64) -> Vec<Vector3<f64>> {
+    let [x, y] = half_size.map(|half| line((half - sole).max(0.0)));
+    let grid = x
         .iter()
-        .filter(|p| free(p))
-        .map(|p| [p.x, p.y])
-        .collect()
+        .flat_map(|&x| y.iter().map(move |&y| Vector3::new(x, y, 0.0)));
+    grid.map(|point| pose.act(point)).collect()
+}
+
+/// Points at this height around the robot and all blocks.
+fn points_around(scene: &Scene, blocks: &[Block], height: f64) -> Vec<Vector3<f64>> {
+    let base = |i: usize| scene.start.get(i).copied().unwrap_or(0.0);
+    let start = [base(0), base(1)];
+    let (mut low, mut high) = (start, start);
+    for corner in blocks.iter().flat_map(Block::corners) {
+        for axis in 0..2 {
+            low[axis] = low[axis].min(corner[axis]);
+            high[axis] = high[axis].max(corner[axis]);
+        }
+    }
+    let across = |axis: usize| {
+        let middle = 0.5 * (low[axis] + high[axis]);
+        let offsets = line(0.5 * (high[axis] - low[axis]) + AROUND);
+        offsets.into_iter().map(move |offset| middle + offset)
+    };
+    let y: Vec<f64> = across(1).collect();
+    let grid = across(0).flat_map(|x| y.iter().map(move |&y| Vector3::new(x, y, height)));
+    grid.collect()
+}
+
+/// From −`half` to `half` in steps of at most [`GRID`].
+fn line(half: f64) -> Vec<f64> {
+    let steps = (2.0 * half / GRID).ceil() as usize;
+    let at = |i: usize| -half + 2.0 * half * i as f64 / steps.max(1) as f64;
+    (0..=steps).map(at).collect()
 }
 
 /// A static cuboid.
@@ -201,7 +203,7 @@ impl Block {
     }
 }
 
-fn boxes(scene: &Scene) -> Vec<Block> {
+fn blocks(scene: &Scene) -> Vec<Block> {
     let shapes = scene.statics.iter().flat_map(|s| &s.shapes);
     let block = |placed: &scene::PlacedShape| match placed.shape {
         Shape::Box { half_size } => Some(Block {
@@ -220,7 +222,7 @@ mod tests {
 
     fn strides(name: &str) -> impl Fn(&str, &str) -> f64 {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
-        let scene = Scene::load(&path.join(name)).expect("a scene");
+        let scene = Scene::load(path.join(name)).expect("a scene");
         let strides = Strides::new(&scene);
         let names: Vec<String> = scene.interfaces.iter().map(|i| i.name.clone()).collect();
         let index = move |name: &str| names.iter().position(|n| n == name).expect("a surface");

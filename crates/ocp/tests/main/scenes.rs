@@ -140,6 +140,7 @@ pub fn random_scene(seed: u64) -> Scene {
         },
     ];
     Scene {
+        doubts: vec![],
         name: "random".into(),
         gravity: Vector3::new(0.0, 0.0, -9.81),
         robot: Robot {
