@@ -67,8 +67,9 @@ fn a_plan_that_waits_for_its_turn_is_not_lost_when_the_search_is_stopped() {
         };
         let outcome =
             locotamp::plan(&scene, &request(None), &mut observe).expect("a planning problem");
+        // Two are under way from the beginning; on a slow machine both may have ended.
         assert!(
-            taken <= 1,
+            taken <= 2,
             "it was stopped before the first result was taken"
         );
         outcome.feasible
