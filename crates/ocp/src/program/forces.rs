@@ -183,7 +183,8 @@ impl Builder<'_> {
 
     /// Weights of the squares of what a scaled wrench differs from its reference: alike, and where velocities are unknowns those
     /// of a foot's moments about its middle with what they are on its edge. On fine grids those of its load and of its tangential
-    /// force too, and larger ones of its moments while another foot is about to land, which comes down as the ground under this one lets the robot tilt.
+    /// force too, and larger ones of its moments while another foot is about to land, which comes down as the ground under this one
+    /// lets the robot tilt.
     fn wrench_weights(
         &self,
         t: usize,
