@@ -1,6 +1,7 @@
 //! Why a scene cannot be used, and how that is shown.
 
 use crate::source::Place;
+use mjcf::MjcfError;
 use multibody::ModelError;
 use std::fmt;
 
@@ -59,6 +60,9 @@ pub enum Fault {
     /// The URDF is no usable robot.
     #[error("robot {robot:?}: {source}")]
     Robot { robot: String, source: ModelError },
+    /// The MJCF is no usable robot.
+    #[error("{path}: {source}")]
+    Mjcf { path: String, source: MjcfError },
     /// A start position that the joint cannot take.
     #[error(
         "joint {joint:?} starts at {value}, expected a value within its limits [{lower}, {upper}]"
@@ -116,6 +120,7 @@ impl Fault {
             | Self::UnknownName { nearest, known, .. } => suggestion(nearest.as_deref(), known),
             Self::Duplicate { .. } => "give it another name".into(),
             Self::Robot { .. } => "mend the URDF, or name another robot".into(),
+            Self::Mjcf { .. } => "mend the MJCF, or name another robot".into(),
             Self::JointLimit { lower, upper, .. } => {
                 format!("set it in [start.joints] to a value from {lower} to {upper}")
             }

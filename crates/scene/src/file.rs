@@ -15,7 +15,7 @@ use symbolic::ContactType;
 pub(crate) struct SceneFile {
     /// Name of the task, for people and plan files.
     pub name: At<String>,
-    /// Name of a built-in robot ("g1"), or path of a robot file (.toml) or a URDF (.urdf), relative to the scene file.
+    /// Name of a built-in robot ("g1"), or path of a robot file (.toml), a URDF or an MJCF (.urdf, .xml), relative to the scene file.
     pub robot: At<String>,
     /// Folder with the mesh files of the robot's URDF, relative to the scene file: links collide with shapes fitted around them.
     pub meshes: Option<At<String>>,
@@ -33,7 +33,7 @@ pub(crate) struct SceneFile {
     /// Bodies that never move.
     #[serde(default, rename = "static")]
     pub statics: Vec<StaticEntry>,
-    /// Interfaces of the robot beside those of its robot file; needed if `robot` is a bare URDF.
+    /// Interfaces of the robot beside those of its robot file; needed if `robot` is a bare URDF or MJCF.
     #[serde(default)]
     pub robot_interface: Vec<RobotInterfaceEntry>,
     /// What must hold at the end.

@@ -1,4 +1,4 @@
-//! The robot: a built-in one, a robot file beside its URDF, or a bare URDF.
+//! The robot: a built-in one, a robot file beside its URDF or MJCF, or one of these alone.
 
 use crate::builtin;
 use crate::file::RobotInterfaceEntry;
@@ -10,7 +10,7 @@ use crate::parse::parse;
 use crate::source::{At, Place, Source};
 use crate::torque_speed::{TorqueSpeedEntry, set_torque_speed};
 use crate::{Fault, Interface, PlacedShape, Robot, SceneError, Shape};
-use multibody::{JointKind, Model, Root};
+use multibody::{Joint, JointKind, Model, Root};
 use nalgebra::Vector3;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -22,16 +22,16 @@ pub(crate) const BASE: usize = 7;
 /// The parts of a capsule may miss each other by this much [m].
 const CAPSULE_PLAY: f64 = 1e-4;
 
-/// A robot file: what a planner needs beside the URDF.
+/// A robot file: what a planner needs beside the URDF or MJCF.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "a robot")]
 #[allow(dead_code, reason = "source and licence are for people")]
 pub(crate) struct RobotFile {
     /// Name, for people and plan files.
     pub name: At<String>,
-    /// Path of the URDF, relative to this file.
+    /// Path of the URDF or MJCF, relative to this file.
     pub urdf: At<String>,
-    /// Folder with the mesh files that the URDF names, relative to this file.
+    /// Folder with the mesh files that the description names, relative to this file.
     pub meshes: Option<At<String>>,
     /// Where the description comes from.
     pub source: Option<String>,
@@ -60,12 +60,21 @@ pub(crate) struct LoadedRobot {
 
 /// Texts that a robot is made of.
 struct Texts {
-    urdf: String,
-    /// Where the URDF is named.
+    description: Description,
+    /// Where the description is named.
     place: Place,
     /// Where it is; `None` if it is built in.
     path: Option<PathBuf>,
     file: Option<(Source, RobotFile)>,
+}
+
+/// A robot as its designer gives it.
+#[derive(Default)]
+struct Description {
+    urdf: String,
+    /// Positions of joints by name, within or outside their limits.
+    home: Vec<(String, f64)>,
+    notes: Vec<String>,
 }
 
 /// The robot that `name` names, at `place` of a scene file in `base_dir`; its meshes are first looked for in `meshes`.
@@ -84,17 +93,16 @@ pub(crate) fn load(
             SceneError::at(texts.place.clone(), Fault::Robot { robot, source })
         })
     };
-    let mut model = read(&texts.urdf)?;
-    let fitted = with_fitted_shapes(
-        &texts.urdf,
-        &mesh_folders(&texts, &base_dir.join(name), meshes)?,
-    );
-    if fitted.urdf != texts.urdf {
+    let Description { urdf, home, notes } = &texts.description;
+    let mut model = read(urdf)?;
+    let fitted = with_fitted_shapes(urdf, &mesh_folders(&texts, &base_dir.join(name), meshes)?);
+    if fitted.urdf != *urdf {
         model = read(&fitted.urdf)?;
     }
+    model.notes.extend(notes.iter().cloned());
     model.notes.extend(fitted.notes);
     model.gravity = gravity;
-    let mut home = neutral_within_limits(&model);
+    let mut home = within_limits(&model, home);
     let mut interfaces = Vec::new();
     let mut robot_name = model.name.clone();
     if let Some((source, file)) = &texts.file {
@@ -160,7 +168,10 @@ fn find_texts(name: &str, place: Place, base_dir: &Path) -> Result<Texts, SceneE
         let source = Source::new(&format!("built-in robot {name}"), robot.file);
         let file = parse(&source, robot.file)?;
         return Ok(Texts {
-            urdf: robot.urdf.to_owned(),
+            description: Description {
+                urdf: robot.urdf.to_owned(),
+                ..Description::default()
+            },
             place,
             path: None,
             file: Some((source, file)),
@@ -170,7 +181,7 @@ fn find_texts(name: &str, place: Place, base_dir: &Path) -> Result<Texts, SceneE
     let extension = path.extension().and_then(|e| e.to_str());
     match extension.map(str::to_ascii_lowercase).as_deref() {
         Some("urdf" | "xml") => Ok(Texts {
-            urdf: read(&path, &place)?,
+            description: describe(&path, &place)?,
             place,
             path: Some(path),
             file: None,
@@ -182,7 +193,7 @@ fn find_texts(name: &str, place: Place, base_dir: &Path) -> Result<Texts, SceneE
             let urdf_path = path.parent().unwrap_or(Path::new("")).join(&*file.urdf);
             let urdf_place = source.place(file.urdf.span());
             Ok(Texts {
-                urdf: read(&urdf_path, &urdf_place)?,
+                description: describe(&urdf_path, &urdf_place)?,
                 place: urdf_place,
                 path: Some(urdf_path),
                 file: Some((source, file)),
@@ -196,7 +207,7 @@ fn find_texts(name: &str, place: Place, base_dir: &Path) -> Result<Texts, SceneE
                 name: name.to_owned(),
                 nearest: nearest(name, builtin::robot_names()).map(str::to_owned),
                 known: format!(
-                    "{}, or a path that ends in .toml or .urdf",
+                    "{}, or a path that ends in .toml, .urdf or .xml (URDF or MJCF)",
                     builtin::robot_names().collect::<Vec<_>>().join(", ")
                 ),
             },
@@ -215,14 +226,32 @@ pub(crate) fn read(path: &Path, place: &Place) -> Result<String, SceneError> {
     })
 }
 
-/// Joint positions of length n: zero, or the limit that is nearest to zero.
-fn neutral_within_limits(model: &Model) -> Vec<f64> {
-    model
-        .joints
-        .iter()
-        .filter(|joint| joint.kind != JointKind::FreeFlyer)
-        .map(|joint| 0f64.max(joint.lower).min(joint.upper))
-        .collect()
+/// The URDF or MJCF at a path.
+fn describe(path: &Path, place: &Place) -> Result<Description, SceneError> {
+    let urdf = read(path, place)?;
+    if !mjcf::is_mjcf(&urdf) {
+        return Ok(Description {
+            urdf,
+            ..Description::default()
+        });
+    }
+    let mjcf::Converted { urdf, home, notes } = mjcf::to_urdf(path).map_err(|source| {
+        let path = path.display().to_string();
+        SceneError::at(place.clone(), Fault::Mjcf { path, source })
+    })?;
+    Ok(Description { urdf, home, notes })
+}
+
+/// Joint positions of length n: those given, or zero, or the limit that is nearest.
+fn within_limits(model: &Model, home: &[(String, f64)]) -> Vec<f64> {
+    let joints = model.joints.iter();
+    let moving = joints.filter(|joint| joint.kind != JointKind::FreeFlyer);
+    let position = |joint: &Joint| {
+        let given = home.iter().find(|(name, _)| *name == joint.name);
+        let wish = given.map_or(0.0, |(_, position)| *position);
+        wish.max(joint.lower).min(joint.upper)
+    };
+    moving.map(position).collect()
 }
 
 /// Writes the named joint positions into `joints` (length n), within limits.

@@ -313,3 +313,68 @@ fn scenes_beside_the_builtin_ones_are_the_files_of_the_repository() {
         assert_eq!(scene.start, Scene::builtin(name).unwrap().start);
     }
 }
+
+/// A leg that slides in a trunk, standing in its keyframe, and what stands for its foot.
+const MJCF: &str = r#"<mujoco model="pogo"><worldbody><body name="trunk" pos="0 0 1"><freejoint/>
+  <geom type="box" size="0.1 0.1 0.05" mass="4"/>
+  <body name="leg"><joint name="reach" type="slide" axis="0 0 -1" range="0 0.2"/>
+    <geom type="capsule" size="0.03" fromto="0 0 -0.1 0 0 -0.4" mass="1"/>
+    <site name="sole" pos="0 0 -0.43" euler="180 0 0"/></body></body></worldbody>
+  <actuator><motor joint="reach" gear="100" ctrlrange="-1 1"/></actuator>
+  <keyframe><key name="home" qpos="0 0 1 1 0 0 0 0.1"/></keyframe></mujoco>"#;
+
+fn mjcf_scene(robot: &str) -> Result<Scene, scene::SceneError> {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("pogo.xml"), robot).unwrap();
+    let text = r#"
+        name = "s"
+        robot = "pogo.xml"
+        [[robot_interface]]
+        name = "foot"
+        link = "sole"
+        kind = "patch"
+        role = "foot"
+        pose = [0, 0, 0, 0, 0, 0, 1]
+        half_size = [0.05, 0.05]
+        contacts = ["unilateral_patch"]
+        [[static]]
+        name = "ground"
+        plane = true
+        [objective]
+        kind = "base_height"
+    "#;
+    Scene::from_toml(text, "s.toml", folder.path())
+}
+
+#[test]
+fn an_mjcf_stands_on_its_sites_as_in_its_keyframe() {
+    let scene = mjcf_scene(MJCF).unwrap_or_else(|e| panic!("{}", e.render()));
+    assert_eq!(scene.robot.name, "pogo");
+    assert!((scene.start[2] - 0.53).abs() < 1e-9, "{:?}", scene.start);
+    assert_eq!(scene.start[7..], [0.1]);
+    let joint = &scene.robot.model.joints[1];
+    assert_eq!((joint.torque_limit, joint.upper), (100.0, 0.2));
+    let notes = scene.robot.model.notes.join("\n");
+    assert!(notes.contains("no limits of speed"), "{notes}");
+    assert!(scene.robot.urdf.starts_with("<robot name=\"pogo\""));
+    let leg = scene.robot.model.frame_id("leg").unwrap();
+    let [capsule] = &scene.robot.shapes[leg][..] else {
+        panic!("{:?}", scene.robot.shapes[leg]);
+    };
+    let Shape::Capsule { half_length, .. } = capsule.shape else {
+        panic!("{capsule:?}");
+    };
+    assert!((half_length - 0.15).abs() < 1e-9);
+}
+
+#[test]
+fn a_mistake_in_an_mjcf_is_told_with_its_file() {
+    let ball = MJCF.replace("type=\"slide\" axis=\"0 0 -1\"", "type=\"ball\"");
+    let error = mjcf_scene(&ball).unwrap_err();
+    assert!(matches!(error.fault(), Fault::Mjcf { .. }), "{error}");
+    let text = error.render();
+    assert!(
+        text.contains("pogo.xml") && text.contains("no body with joints"),
+        "{text}"
+    );
+}

@@ -1,0 +1,68 @@
+//! Geoms as collision and visual elements of a URDF.
+
+use crate::inertia::body_from_geom;
+use crate::pose::between;
+use crate::urdf::{number, numbers, origin, quoted};
+use mjcf_rs::Model;
+use mjcf_rs::body::{Geom, GeomType};
+use nalgebra::Vector3;
+use spatial::Pose;
+use std::path::Path;
+
+/// Half the length of a capsule's or cylinder's middle part [m].
+pub fn half_length(geom: &Geom) -> f64 {
+    geom.fromto.map_or(geom.size[1], |ends| between(ends).1)
+}
+
+/// The elements of a geom, and what cannot be given.
+pub fn elements(model: &Model, geom: &Geom) -> Result<String, String> {
+    let collides = geom.contype != 0 || geom.conaffinity != 0;
+    let frame = body_from_geom(geom);
+    let tag = if collides { "collision" } else { "visual" };
+    if !collides && geom.type_ != GeomType::Mesh {
+        return Ok(String::new());
+    }
+    let element = |at: &Pose, shape: &str| {
+        format!(
+            "    <{tag}>{}<geometry>{shape}</geometry></{tag}>\n",
+            origin(at)
+        )
+    };
+    let [a, b, c] = geom.size;
+    let ball = || format!("<sphere radius={}/>", quoted(&number(a)));
+    let cuboid = |x: f64, y: f64, z: f64| {
+        let size = numbers(&(2.0 * Vector3::new(x, y, z)));
+        format!("<box size={}/>", quoted(&size))
+    };
+    let half = half_length(geom);
+    let tube = || {
+        let (radius, length) = (quoted(&number(a)), quoted(&number(2.0 * half)));
+        format!("<cylinder radius={radius} length={length}/>")
+    };
+    // Boxes and ellipsoids between two points have their third size from these.
+    let third = if geom.fromto.is_some() { half } else { c };
+    let second = if geom.fromto.is_some() { a } else { b };
+    Ok(match geom.type_ {
+        GeomType::Sphere => element(&frame, &ball()),
+        GeomType::Box | GeomType::Ellipsoid => element(&frame, &cuboid(a, second, third)),
+        GeomType::Cylinder => element(&frame, &tube()),
+        GeomType::Capsule => {
+            let end = |z: f64| element(&(frame * Pose::from_translation(0.0, 0.0, z)), &ball());
+            [element(&frame, &tube()), end(half), end(-half)].concat()
+        }
+        GeomType::Mesh => {
+            let name = geom.mesh.as_deref().unwrap_or_default();
+            let mesh = model.assets.mesh(name);
+            let file = mesh.and_then(|m| Some((m, model.resolve_mesh_file(m, Path::new(""))?)));
+            let Some((mesh, file)) = file else {
+                return Err(format!("mesh {name:?} without a file"));
+            };
+            let scale = quoted(&numbers(&Vector3::from(mesh.scale)));
+            let file = quoted(&file.display().to_string());
+            element(&frame, &format!("<mesh filename={file} scale={scale}/>"))
+        }
+        GeomType::Plane => return Err("a plane".into()),
+        GeomType::Hfield => return Err("a height field".into()),
+        GeomType::Sdf => return Err("a signed distance field".into()),
+    })
+}
