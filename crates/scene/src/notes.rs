@@ -1,17 +1,30 @@
 //! What a user should know of a scene that is no error.
 
-use crate::{Owner, Role, Scene};
+use crate::fit::contains;
+use crate::{Interface, Owner, Role, Scene};
 use multibody::{Centroidal, Kinematics};
 use nalgebra::{Vector2, Vector3};
 
 /// How far the centre of mass must be outside the soles to be told [m].
 const LEAST: f64 = 1e-3;
+/// How deep inside its own link a hand or foot must be to be told, and how deep one is looked for [mm].
+const SUNK: (u32, u32) = (10, 300);
 
 impl Scene {
     /// What is unusual or left out: of the robot's description, and whether the robot can stand as it starts.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = self.robot.model.notes.clone();
         notes.extend(self.doubts.iter().cloned());
+        for interface in &self.interfaces {
+            let deep = self.inside_own_link(interface);
+            if deep > SUNK.0 {
+                notes.push(format!(
+                    "interface {:?} is {deep} mm inside the shapes of its own link: what it touches will be that deep in the link; \
+                     move its pose outwards by as much, along its normal",
+                    interface.name
+                ));
+            }
+        }
         if let Some(beyond) = self.beyond_soles().filter(|beyond| *beyond > LEAST) {
             notes.push(format!(
                 "at the start the centre of mass is {:.0} mm outside the soles: the robot cannot stand like that, only fall or \
@@ -20,6 +33,26 @@ impl Scene {
             ));
         }
         notes
+    }
+
+    /// How far it is along the normal of a hand or foot out of its own link, whole millimetres; 0 for what is not the robot's.
+    fn inside_own_link(&self, interface: &Interface) -> u32 {
+        let Owner::Robot { frame } = interface.owner else {
+            return 0;
+        };
+        let frames = &self.robot.model.frames;
+        let joint_from_interface = frames[frame].joint_from_frame * interface.body_from_interface;
+        let is_inside = |millimetres: u32| {
+            let along = Vector3::new(0.0, 0.0, 1e-3 * f64::from(millimetres));
+            let place = joint_from_interface.act(along);
+            let of_link = frames.iter().zip(&self.robot.shapes);
+            let mut of_link = of_link.filter(|(f, _)| f.joint == frames[frame].joint);
+            of_link.any(|(f, shapes)| {
+                let in_frame = f.joint_from_frame.inverse().act(place);
+                shapes.iter().any(|shape| contains(shape, &in_frame))
+            })
+        };
+        (0..SUNK.1).find(|&at| !is_inside(at)).unwrap_or(SUNK.1)
     }
 
     /// Horizontal distance of the robot's centre of mass from the soles that bear it at the start, negative inside [m]; `None`
@@ -76,6 +109,23 @@ mod tests {
         assert!((beyond(0.5, 0.5) + 0.5).abs() < 1e-9);
         assert!((beyond(0.5, 1.2) - 0.2).abs() < 1e-9);
         assert!((beyond(1.3, 1.3) - 0.3 * 2f64.sqrt()).abs() < 1e-4);
+    }
+
+    #[test]
+    fn a_hand_inside_its_own_link_is_told() {
+        let hand = |z: f64| {
+            let text = format!(
+                "name = \"s\"\nrobot = \"g1\"\n[[robot_interface]]\nname = \"shin\"\nlink = \"left_knee_link\"\nkind = \"point\"\n\
+                 role = \"hand\"\npose = [0, 0, {z}, 1, 0, 0, 0]\ncontacts = [\"unilateral_point\"]\n[[static]]\n\
+                 name = \"ground\"\nplane = true\n[objective]\nkind = \"base_height\"\n"
+            );
+            let path = std::path::Path::new(".");
+            Scene::from_toml(&text, "s.toml", path).unwrap().notes()
+        };
+        let notes = hand(-0.1);
+        assert!(notes.len() == 1, "{notes:?}");
+        assert!(notes[0].contains("\"shin\" is"), "{notes:?}");
+        assert_eq!(hand(-0.5), Vec::<String>::new());
     }
 
     #[test]
