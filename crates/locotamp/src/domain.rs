@@ -54,7 +54,7 @@ pub fn domain(scene: &Scene) -> Result<Domain, Error> {
 fn squeezes(scene: &Scene) -> Vec<(InterfaceId, InterfaceId)> {
     let mut out = Vec::new();
     let graspable = |i: &scene::Interface| {
-        i.patch && !i.lands && i.contact_types.contains(&ContactType::UnilateralPatch)
+        i.patch && !i.lands && i.contact_types.iter().any(|t| t.is_unilateral())
     };
     for (i, a) in scene.interfaces.iter().enumerate() {
         for (j, b) in scene.interfaces.iter().enumerate().take(i) {
@@ -326,4 +326,27 @@ fn ending(scene: &Scene) -> Option<symbolic::Ending> {
     let open = scene.goal_contacts.is_empty();
     let anywhere = open && (!scene.goal_regions.is_empty() || scene.objective != Objective::Time);
     anywhere.then_some(symbolic::Ending::Every)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    #[test]
+    fn two_opposite_patches_can_be_squeezed_by_points_too() {
+        let squeezes_of = |kind: &str| {
+            let text = format!(
+                "name = \"s\"\nrobot = \"g1\"\n[[static]]\nname = \"ground\"\nplane = true\n[[object]]\nname = \"box\"\nmass = 1\n\
+                 size = [0.2, 0.2, 0.2]\non = \"ground_top\"\nposition = [0.6, 0]\n[[object.interface]]\nname = \"l\"\nside = \"+y\"\n\
+                 contacts = [\"{kind}\"]\n[[object.interface]]\nname = \"r\"\nside = \"-y\"\ncontacts = [\"{kind}\"]\n[objective]\n\
+                 kind = \"base_height\"\n"
+            );
+            let scene = Scene::from_toml(&text, "s.toml", Path::new(".")).expect("a scene");
+            squeezes(&scene).len()
+        };
+        assert_eq!(squeezes_of("unilateral_patch"), 1);
+        assert_eq!(squeezes_of("unilateral_point"), 1);
+        assert_eq!(squeezes_of("bilateral_patch"), 0);
+    }
 }

@@ -36,7 +36,7 @@ impl Scene {
     }
 
     /// How far it is along the normal of a hand or foot out of its own link, whole millimetres; 0 for what is not the robot's.
-    fn inside_own_link(&self, interface: &Interface) -> u32 {
+    pub fn inside_own_link(&self, interface: &Interface) -> u32 {
         let Owner::Robot { frame } = interface.owner else {
             return 0;
         };

@@ -13,7 +13,7 @@ pub(crate) mod samples;
 mod shared;
 mod watch;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use cover::{corners, cover, parts};
 pub use pairs::{Pair, Place};
@@ -29,6 +29,7 @@ use multibody::Kinematics;
 use nalgebra::Vector3;
 use scene::{Interface, Owner, PlacedShape, Role, Scene, Shape};
 use spatial::Pose;
+use symbolic::Contact;
 
 /// Joints between a link and the root of its limb from which on it swings about: knees, shins, feet, forearms, hands.
 const LIMB: usize = 4;
@@ -293,17 +294,43 @@ impl CollisionModel {
 
     /// Bodies that touch at a node: contacts that bind one of its two intervals.
     fn touching(scene: &Scene, program: &Program, phases: &[Phase], t: usize) -> BTreeSet<Touch> {
-        let mut out = BTreeSet::new();
-        let n = program.n_intervals();
-        let reach = if program.grid == Grid::Motion { 2 } else { 1 };
-        for i in t.saturating_sub(reach)..=t.min(n - 1) {
-            for contact in &phases[program.phase_of(i)].state.contacts {
-                let interface = |i: symbolic::InterfaceId| &scene.interfaces[i.0];
-                let (a, b) = (interface(contact.a), interface(contact.b));
-                out.extend(touches(&program.system, a, b));
+        let contacts = Self::contacts_at(program, phases, t);
+        contacts
+            .flat_map(|contact| touches_of(scene, &program.system, &contact))
+            .collect()
+    }
+
+    /// Bodies that touch at a node by points of the first one alone, and how far the deepest of these is inside its own link [m].
+    fn touching_by_points(
+        scene: &Scene,
+        program: &Program,
+        phases: &[Phase],
+        t: usize,
+    ) -> BTreeMap<Touch, f64> {
+        let (mut points, mut others) = (BTreeMap::new(), BTreeSet::new());
+        for contact in Self::contacts_at(program, phases, t) {
+            let a = &scene.interfaces[contact.a.0];
+            let by_point = !a.patch && matches!(a.owner, Owner::Robot { .. });
+            for touch in touches_of(scene, &program.system, &contact) {
+                if by_point {
+                    let inside = 1e-3 * f64::from(scene.inside_own_link(a));
+                    let deepest = points.entry(touch).or_insert(inside);
+                    *deepest = inside.max(*deepest);
+                } else {
+                    others.insert(touch);
+                }
             }
         }
-        out
+        points.retain(|touch, _| !others.contains(touch));
+        points
+    }
+
+    /// Contacts that bind one of the two intervals at a node.
+    fn contacts_at(program: &Program, phases: &[Phase], t: usize) -> impl Iterator<Item = Contact> {
+        let n = program.n_intervals();
+        let reach = if program.grid == Grid::Motion { 2 } else { 1 };
+        let intervals = t.saturating_sub(reach)..=t.min(n - 1);
+        intervals.flat_map(|i| phases[program.phase_of(i)].state.iter())
     }
 
     /// Worst overlap of the system at a configuration, of bodies that do not touch: depth [m] and the pair.
@@ -372,6 +399,12 @@ impl CollisionModel {
             .flat_map(|c| touches(system, interface(c.a), interface(c.b)))
             .collect()
     }
+}
+
+/// The bodies that a contact brings together.
+fn touches_of(scene: &Scene, system: &System, contact: &Contact) -> Vec<Touch> {
+    let [a, b] = [contact.a, contact.b].map(|i| &scene.interfaces[i.0]);
+    touches(system, a, b)
 }
 
 /// The bodies that a contact of `a` on `b` brings together, each way round where both move.

@@ -1,6 +1,6 @@
 //! Which pairs of bodies get rows (or a penalty) at which node, and with which balls.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::edges::edge_row;
@@ -27,6 +27,8 @@ pub(super) const BLUR: f64 = 1.4 * EVENNESS;
 /// Clearance demanded at a contact of the same bodies, beside what its row says there, and its growth per sixteenth of a
 /// phase away from it [m].
 const RAMP: (f64, f64) = (-0.002, 0.008);
+/// How deep what touches by a point alone may be in what it touches, beyond what its point is inside its own link [m].
+const POINT_PLAY: f64 = 0.003;
 /// The most that is demanded at a contact [m].
 const MOST_AT_CONTACT: f64 = -0.008;
 /// Share of the clearance that is demanded of a hand and its wrist from what the object that it grasps or places stands on.
@@ -85,6 +87,8 @@ struct At<'a> {
     through: &'a dyn Fn(usize, Other) -> Option<Since>,
     /// Sixteenths of a phase since each body, and its neighbours, stopped standing where they stand at the start.
     from_start: &'a [f64],
+    /// Bodies that touch by points alone, and how far these are inside the first one [m].
+    points: &'a BTreeMap<Touch, f64>,
 }
 
 impl At<'_> {
@@ -177,6 +181,7 @@ impl CollisionModel {
                 nearest(&|i| objects.clone().any(|o| touches(i, o)))
             };
             let window = window(t);
+            let points = Self::touching_by_points(scene, program, phases, t);
             let at = At {
                 node: t,
                 kinematics: &kinematics,
@@ -187,6 +192,7 @@ impl CollisionModel {
                     .iter()
                     .map(|left| along[t] - left)
                     .collect::<Vec<_>>(),
+                points: &points,
             };
             self.obstacle_pairs(program, &at, &mut shared, &mut out);
             if program.settings.preset == Preset::Default {
@@ -240,7 +246,9 @@ impl CollisionModel {
                 let Some(other) = primitive.joint.map(Ok).or(primitive.body.map(Err)) else {
                     continue;
                 };
-                if at.touches(a, other) {
+                let touching = at.touches(a, other);
+                let by_point = at.points.get(&(a, other)).filter(|_| touching && !paper);
+                if touching && by_point.is_none() {
                     continue;
                 }
                 let place = Place::Node(at.node);
@@ -261,9 +269,10 @@ impl CollisionModel {
                     }
                     continue;
                 }
-                let demanded = |says: Says<'_>| {
-                    let clearance = self.clearance(program, (a, says), primitive, other, at);
-                    clearance.min(MOST_CLEARANCE)
+                let demanded = |says: Says<'_>| match by_point {
+                    Some(inside) => -inside - POINT_PLAY,
+                    None => (self.clearance(program, (a, says), primitive, other, at))
+                        .min(MOST_CLEARANCE),
                 };
                 self.obstacle_rows((a, index, at.window), &demanded, shared, &mut push);
             }

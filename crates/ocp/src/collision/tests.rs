@@ -49,3 +49,50 @@ fn a_foot_that_lands_through_the_edge_of_a_block_collides_before_it_lands() {
     };
     assert!(worst("clearance between nodes") < -0.01);
 }
+
+#[test]
+fn what_touches_by_a_point_keeps_out_of_what_it_touches() {
+    let scene = samples::scene(
+        "[[robot_interface]]\nname = \"fist\"\nlink = \"left_rubber_hand\"\nkind = \"point\"\nrole = \"hand\"\n\
+         pose = [0.2, 0, 0, 0, 0.70710678, 0, 0.70710678]\ncontacts = [\"unilateral_point\"]\n\
+         [[static]]\nname = \"wall\"\nsize = [0.1, 2, 2]\nposition = [0.6, 0, 1]\n",
+    );
+    let planner = Planner::new(&scene).unwrap();
+    let settings = Settings::new(Preset::Default, &scene.optimiser);
+    let interface = |name: &str| scene.interface_id(name).unwrap();
+    let wall = scene
+        .interfaces
+        .iter()
+        .position(|i| i.name.starts_with("wall"));
+    let touch = |hand: &str, kind: symbolic::ContactType| Contact {
+        a: interface(hand),
+        b: symbolic::InterfaceId(wall.unwrap()),
+        kind,
+    };
+    let start: symbolic::ContactState = scene.start_contacts.iter().copied().collect();
+    let rows = |contact: Contact| {
+        let with: symbolic::ContactState = start.iter().chain([contact]).collect();
+        let phases = [start.clone(), with].map(|state| Phase { state, steps: 2 });
+        let mut q = planner.system.start(&scene);
+        q[0] += 0.2; // the hands in the wall
+        let (nodes, none) = (vec![q; 5], Crossings::new());
+        let program = planner.program(&phases, &settings, Grid::Motion, near(&nodes, &none));
+        let Owner::Robot { frame } = scene.interfaces[contact.a.0].owner else {
+            panic!("a hand is the robot's");
+        };
+        let joint = planner.system.model.frames[frame].joint.unwrap();
+        let pairs = planner
+            .collisions
+            .pairs(&program, &scene, &phases, near(&nodes, &none));
+        let of_hand = pairs.iter().filter(|p| (p.a, p.b) == (joint, None));
+        let at_contact = of_hand.filter(|p| p.place == Place::Node(3));
+        at_contact.map(|p| p.term.bounds()[0].0).collect::<Vec<_>>()
+    };
+    let by_point = rows(touch("fist", symbolic::ContactType::UnilateralPoint));
+    assert!(
+        !by_point.is_empty() && by_point.iter().all(|&b| b < 0.0),
+        "{by_point:?}"
+    );
+    let by_patch = rows(touch("left_hand", symbolic::ContactType::UnilateralPatch));
+    assert!(by_patch.is_empty(), "{by_patch:?}");
+}
