@@ -3,7 +3,6 @@
 use crate::error::MjcfError;
 use mjcf_rs::Model;
 use mjcf_rs::body::{Joint, JointType};
-use std::collections::BTreeSet;
 
 /// The tree of bodies that is the robot.
 pub struct Robot {
@@ -24,11 +23,6 @@ impl Robot {
             next.extend(self.children[body].iter().rev());
         }
         out
-    }
-
-    /// Names of sites that no body has.
-    pub fn free_names(&self) -> BTreeSet<&str> {
-        self.names.iter().map(String::as_str).collect()
     }
 
     /// Name of a body's joint, given or made up.

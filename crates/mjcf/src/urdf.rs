@@ -28,7 +28,7 @@ pub fn write(
         text: format!("<robot name={}>\n", quoted(name)),
         limits,
         left_out: vec![],
-        names: robot.free_names().into_iter().map(str::to_owned).collect(),
+        names: robot.names.iter().cloned().collect(),
     };
     let bodies = robot.bodies();
     for &body in &bodies {
