@@ -30,7 +30,7 @@ pub fn of_body(model: &Model, body: &Body, name: &str) -> Result<Inertia, MjcfEr
                 let body_name = || name.to_owned();
                 let own = of_geom(geom, compiler.inertia_density)
                     .ok_or_else(|| MjcfError::MeshInertia { body: body_name() })?;
-                if own.mass > 0.0 {
+                if own.mass != 0.0 {
                     sum = sum + own;
                 }
             }

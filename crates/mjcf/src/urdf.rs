@@ -110,7 +110,8 @@ impl Writer {
     fn link(&mut self, model: &Model, body: &Body, name: &str) -> Result<(), MjcfError> {
         let inertia = inertia::of_body(model, body, name)?;
         self.add(&format!("  <link name={}>\n", quoted(name)));
-        if inertia.mass > 0.0 {
+        // A mass that is none is told by who reads the URDF.
+        if inertia.mass != 0.0 {
             self.inertial(&inertia);
         }
         for geom in &body.geoms {

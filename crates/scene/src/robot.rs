@@ -75,6 +75,8 @@ struct Description {
     /// Positions of joints by name, within or outside their limits.
     home: Vec<(String, f64)>,
     notes: Vec<String>,
+    /// True if it was in another format.
+    converted: bool,
 }
 
 /// The robot that `name` names, at `place` of a scene file in `base_dir`; its meshes are first looked for in `meshes`.
@@ -89,11 +91,17 @@ pub(crate) fn load(
     let texts = find_texts(name, place, base_dir)?;
     let read = |urdf: &str| {
         Model::from_urdf(urdf, Root::Floating).map_err(|source| {
-            let robot = name.to_owned();
+            let robot = if texts.description.converted {
+                format!("{name}, as a URDF")
+            } else {
+                name.to_owned()
+            };
             SceneError::at(texts.place.clone(), Fault::Robot { robot, source })
         })
     };
-    let Description { urdf, home, notes } = &texts.description;
+    let Description {
+        urdf, home, notes, ..
+    } = &texts.description;
     let mut model = read(urdf)?;
     let fitted = with_fitted_shapes(urdf, &mesh_folders(&texts, &base_dir.join(name), meshes)?);
     if fitted.urdf != *urdf {
@@ -239,7 +247,12 @@ fn describe(path: &Path, place: &Place) -> Result<Description, SceneError> {
         let path = path.display().to_string();
         SceneError::at(place.clone(), Fault::Mjcf { path, source })
     })?;
-    Ok(Description { urdf, home, notes })
+    Ok(Description {
+        urdf,
+        home,
+        notes,
+        converted: true,
+    })
 }
 
 /// Joint positions of length n: those given, or zero, or the limit that is nearest.

@@ -377,4 +377,10 @@ fn a_mistake_in_an_mjcf_is_told_with_its_file() {
         text.contains("pogo.xml") && text.contains("no body with joints"),
         "{text}"
     );
+    let negative = mjcf_scene(&MJCF.replace("mass=\"4\"", "mass=\"-4\"")).unwrap_err();
+    let text = negative.to_string();
+    assert!(
+        text.contains("as a URDF") && text.contains("\"trunk\""),
+        "{text}"
+    );
 }
