@@ -18,13 +18,8 @@ pub fn home(model: &Model, robot: &Robot) -> Vec<(String, f64)> {
         return vec![];
     };
     let (mut home, mut at) = (vec![], 0);
-    let in_order = Robot {
-        root: 0,
-        children: robot.children.clone(),
-        names: robot.names.clone(),
-    };
     let of_robot = robot.bodies();
-    for body in in_order.bodies() {
+    for body in robot.bodies_from(0) {
         for (index, joint) in model.bodies[body].body.joints.iter().enumerate() {
             if let (true, true, Some(&position)) = (
                 of_robot.contains(&body),

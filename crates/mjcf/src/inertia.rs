@@ -2,7 +2,7 @@
 
 use crate::error::MjcfError;
 use crate::pose::{between, pose};
-use crate::shapes::half_length;
+use crate::shapes::size;
 use mjcf_rs::Model;
 use mjcf_rs::body::{Body, Geom, GeomType, InertiaSpec};
 use mjcf_rs::compiler::InertiaFromGeom;
@@ -53,8 +53,8 @@ fn of_geom(geom: &Geom, density: f64) -> Option<Inertia> {
     if geom.mass == Some(0.0) || (geom.mass.is_none() && density == 0.0) {
         return Some(Inertia::zero());
     }
-    let [a, b, c] = geom.size;
-    let half = half_length(geom);
+    let [a, b, c] = size(geom);
+    let half = b; // of a cylinder or capsule
     // Volume, and second moments of a unit mass about the three axes.
     let (volume, moments) = match geom.type_ {
         GeomType::Sphere => (4.0 / 3.0 * PI * a.powi(3), Vector3::repeat(0.4 * a * a)),

@@ -14,10 +14,15 @@ pub struct Robot {
 }
 
 impl Robot {
-    /// Bodies from the root on, parents first, in the order of the file.
+    /// The robot's bodies, parents first, in the order of the file.
     pub fn bodies(&self) -> Vec<usize> {
+        self.bodies_from(self.root)
+    }
+
+    /// A body and those on it, likewise; body 0 is the world.
+    pub fn bodies_from(&self, body: usize) -> Vec<usize> {
         let mut out = vec![];
-        let mut next = vec![self.root];
+        let mut next = vec![body];
         while let Some(body) = next.pop() {
             out.push(body);
             next.extend(self.children[body].iter().rev());
@@ -52,14 +57,13 @@ pub fn find(model: &Model, notes: &mut Vec<String>) -> Result<Robot, MjcfError> 
         names: model.bodies.iter().enumerate().map(name).collect(),
         children,
     };
-    let joints = |root: usize, robot: &mut Robot| {
-        robot.root = root;
-        let bodies = robot.bodies();
+    let joints = |&root: &usize| {
+        let bodies = robot.bodies_from(root);
         let moving = |&b: &usize| model.bodies[b].body.joints.iter().any(is_hinge_or_slide);
         bodies.iter().filter(|b| moving(b)).count()
     };
     let trees = robot.children[0].clone();
-    let counts: Vec<usize> = trees.iter().map(|&t| joints(t, &mut robot)).collect();
+    let counts: Vec<usize> = trees.iter().map(joints).collect();
     let most = (0..trees.len()).max_by_key(|&t| (counts[t], std::cmp::Reverse(t)));
     let Some(most) = most.filter(|&t| counts[t] > 0) else {
         return Err(MjcfError::NoRobot);

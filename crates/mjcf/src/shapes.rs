@@ -9,9 +9,15 @@ use nalgebra::Vector3;
 use spatial::Pose;
 use std::path::Path;
 
-/// Half the length of a capsule's or cylinder's middle part [m].
-pub fn half_length(geom: &Geom) -> f64 {
-    geom.fromto.map_or(geom.size[1], |ends| between(ends).1)
+/// Sizes of a geom [m]: between two points the half length is theirs, of capsules and cylinders the second one, of boxes and ellipsoids
+/// the third one, and these are as wide as thick.
+pub fn size(geom: &Geom) -> [f64; 3] {
+    let [a, b, c] = geom.size;
+    match (geom.fromto.map(|ends| between(ends).1), geom.type_) {
+        (Some(half), GeomType::Box | GeomType::Ellipsoid) => [a, a, half],
+        (Some(half), _) => [a, half, c],
+        (None, _) => [a, b, c],
+    }
 }
 
 /// The elements of a geom, and what cannot be given.
@@ -28,27 +34,23 @@ pub fn elements(model: &Model, geom: &Geom) -> Result<String, String> {
             origin(at)
         )
     };
-    let [a, b, c] = geom.size;
+    let [a, b, c] = size(geom);
     let ball = || format!("<sphere radius={}/>", quoted(&number(a)));
     let cuboid = |x: f64, y: f64, z: f64| {
         let size = numbers(&(2.0 * Vector3::new(x, y, z)));
         format!("<box size={}/>", quoted(&size))
     };
-    let half = half_length(geom);
     let tube = || {
-        let (radius, length) = (quoted(&number(a)), quoted(&number(2.0 * half)));
+        let (radius, length) = (quoted(&number(a)), quoted(&number(2.0 * b)));
         format!("<cylinder radius={radius} length={length}/>")
     };
-    // Boxes and ellipsoids between two points have their third size from these.
-    let third = if geom.fromto.is_some() { half } else { c };
-    let second = if geom.fromto.is_some() { a } else { b };
     Ok(match geom.type_ {
         GeomType::Sphere => element(&frame, &ball()),
-        GeomType::Box | GeomType::Ellipsoid => element(&frame, &cuboid(a, second, third)),
+        GeomType::Box | GeomType::Ellipsoid => element(&frame, &cuboid(a, b, c)),
         GeomType::Cylinder => element(&frame, &tube()),
         GeomType::Capsule => {
             let end = |z: f64| element(&(frame * Pose::from_translation(0.0, 0.0, z)), &ball());
-            [element(&frame, &tube()), end(half), end(-half)].concat()
+            [element(&frame, &tube()), end(b), end(-b)].concat()
         }
         GeomType::Mesh => {
             let name = geom.mesh.as_deref().unwrap_or_default();

@@ -70,16 +70,16 @@ fn links_are_where_mujoco_has_the_bodies() {
 #[test]
 fn masses_and_inertias_are_those_of_mujoco() {
     let (converted, model) = robot();
-    assert!((model.total_mass() - 10.335893561).abs() < 1e-9);
+    assert!((model.total_mass() - 10.503702976).abs() < 1e-8);
     let mut kinematics = Kinematics::new(&model);
     kinematics.update(&model, &stand(&converted, &model));
     let mut crba = Crba::new(&model);
     let matrix = crba.compute(&model, &kinematics);
     // The joints' block of mj_fullM, armatures set to zero.
     let expected = [
-        [0.438820049, -0.0199689175, 0.189524868, -0.154744846],
-        [-0.0199689175, 0.34881479, -0.0473545314, 0.0386978001],
-        [0.189524868, -0.0473545314, 0.115283981, -0.102],
+        [0.46995782, -0.0197414659, 0.201436968, -0.154744846],
+        [-0.0197414659, 0.372995875, -0.0490140558, 0.0386978001],
+        [0.201436968, -0.0490140558, 0.120933768, -0.102],
         [-0.154744846, 0.0386978001, -0.102, 0.3],
     ];
     let names = ["hip_pitch", "hip_roll", "knee", "toe_slide"];
