@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use crate::api::{Event, Request};
 use ocp::{Motion, Phase, Planner, Refinement, Settings};
-use solver::{Iteration, Status};
+use solver::Iteration;
 
 /// Longest step of the grid between the coarse and the finer one, in steps of the finer one: objects and hands move along
 /// different curves between nodes, so a grid seven times as fine begins with collisions.
@@ -13,9 +13,6 @@ const MIDDLE: f64 = 3.0;
 /// Longest step of the grid on which a motion must hold to be a plan [s]: with a few long steps per phase a robot may seem to do
 /// what no robot can.
 const HOLDS: f64 = 0.06;
-/// Violation (scaled rows) up to which a motion without a solution on the coarse grid gets its chance on that one: what it
-/// misses is far less than what finer grids change.
-const NEARLY_SOLVED: f64 = 1e-3;
 /// Most iterations for that, in each round.
 const HOLDS_ITERATIONS: usize = 150;
 
@@ -38,12 +35,6 @@ pub enum Refined {
     },
     /// The plan is a coarser motion, for this reason.
     Failed(String),
-}
-
-/// True if a coarse motion is a solution or so near to one that a finer grid may have one.
-pub(crate) fn may_hold(coarse: &Motion) -> bool {
-    let interrupted = coarse.report.status == Status::Interrupted;
-    coarse.feasible || (!interrupted && coarse.report.violation <= NEARLY_SOLVED)
 }
 
 /// A coarse motion on the grid on which it must hold to be a plan; iterations and seconds are those of both.

@@ -183,12 +183,13 @@ fn held(
     (settings, request): (&Settings, &Request),
     watch: &mut dyn FnMut(&Iteration) -> bool,
 ) -> (Motion, bool) {
-    let Some(refinement) = request.refines().filter(|_| refine::may_hold(&coarse)) else {
+    let Some(refinement) = request.refines().filter(|_| coarse.is_nearly_feasible()) else {
         return (coarse, false);
     };
     let fine = refine::hold(planner, phases, settings, (&coarse, refinement), watch);
     let interrupted = fine.report.status == Status::Interrupted;
-    let falls_short = coarse.feasible && !fine.feasible && !interrupted;
+    let was_solved = coarse.feasible || coarse.report.status == Status::Acceptable;
+    let falls_short = was_solved && !fine.feasible && !interrupted;
     let motion = if fine.feasible || falls_short {
         fine
     } else {

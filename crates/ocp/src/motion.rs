@@ -6,11 +6,11 @@ use crate::point::Point;
 use crate::problem::Trajectory;
 use crate::program::{Grid, Phase, Program, RowLabel};
 use crate::relative_motion::Relative;
-use crate::settings::Settings;
+use crate::settings::{NEARLY_SOLVED, Settings};
 use crate::system::System;
 use scene::Scene;
 use solver::{
-    ElementData, InteriorPoint, Iteration, Options, Problem, Report, Status, Structure, Timing,
+    ElementData, Enough, InteriorPoint, Iteration, Options, Problem, Report, Status, Structure, Timing,
 };
 
 /// Rounds of solving with more rows for what collides.
@@ -30,6 +30,10 @@ const FINEST_BARRIER: f64 = 0.01;
 const FINER_PUSH: f64 = 1e-3;
 /// Largest violation of a solution (scaled rows).
 const SOLVED: f64 = 1e-6;
+/// Dual residual and barrier parameter at the end of a motion that need not be one to the last digit: most costs are within a few
+/// per cent of the optimum then.
+const ROUGH_DUAL: f64 = 5.0;
+const ROUGH_BARRIER: f64 = 4e-3;
 /// Iterations that stand still within ten times that (a tenth of what the checker allows) before they count as one.
 const STILL_ITERATIONS: usize = 10;
 /// Complementarity products and dual residual at the solution of a barrier problem: the products come to about the barrier
@@ -97,6 +101,12 @@ impl Work {
 }
 
 impl Motion {
+    /// True if it is feasible or misses so little that a finer grid may have a feasible one.
+    pub fn is_nearly_feasible(&self) -> bool {
+        let ended = self.report.status != Status::Interrupted;
+        self.feasible || (ended && self.report.violation <= NEARLY_SOLVED)
+    }
+
     fn new(
         trajectory: Trajectory,
         point: Point,
@@ -154,6 +164,13 @@ impl First {
             options.dual_tolerance = BARRIER_DUAL_TOLERANCE;
             options.feasibility_tolerance = SOLVED;
             options.acceptable_iterations = STILL_ITERATIONS;
+        }
+        if settings.rough {
+            options.enough = Some(Enough {
+                violation: NEARLY_SOLVED,
+                dual: ROUGH_DUAL,
+                barrier: ROUGH_BARRIER,
+            });
         }
         if program.has_velocities() {
             options.feasibility_tolerance = STATE_TOLERANCE;
@@ -242,7 +259,12 @@ impl<'a> Planner<'a> {
     ) -> Option<Motion> {
         let (program, point, first) = self.start_from(phases, settings, relative)?;
         let motion = self.optimise(phases, program, point, first, observe);
-        let ended = motion.feasible || motion.report.status == Status::Interrupted;
+        let found = if settings.rough {
+            motion.is_nearly_feasible()
+        } else {
+            motion.feasible
+        };
+        let ended = found || motion.report.status == Status::Interrupted;
         ended.then_some(motion)
     }
 
@@ -309,7 +331,8 @@ impl<'a> Planner<'a> {
             let nearly = options.acceptable_iterations > 0
                 && report.violation <= options.acceptable_tolerance;
             let solved = nearly || report.violation <= SOLVED;
-            if solved && report.status != Status::Interrupted && round < REPAIRS {
+            let nearly_solved = solved || (settings.rough && report.violation <= NEARLY_SOLVED);
+            if nearly_solved && report.status != Status::Interrupted && round < REPAIRS {
                 let between = settings.between
                     && self.collisions.find_crossings(
                         &trajectory.program,
@@ -325,7 +348,8 @@ impl<'a> Planner<'a> {
                     near(&point.nodes, &crossings),
                 );
                 let new = violation_of(&again, &point);
-                if between || new > NEW_TOLERANCE {
+                // What the rows that were there miss is no news.
+                if between || new > NEW_TOLERANCE.max(2.0 * report.violation) {
                     let most = first.max_iterations;
                     first = if new > FAR_OFF {
                         First::finer()
@@ -338,12 +362,14 @@ impl<'a> Planner<'a> {
                 }
             }
             // Nobody has asked yet about what came near in the last round.
-            let worst = if solved {
+            let worst = if nearly_solved {
                 self.missed(phases, settings, &point)
             } else {
                 worst_row(&trajectory.program, &report, 1e-7)
             };
             let feasible = solved && worst.is_none();
+            let of_solve = || worst_row(&trajectory.program, &report, SOLVED);
+            let worst = worst.or_else(|| of_solve().filter(|_| !solved));
             return Motion::new(trajectory, point, report, work, feasible, worst);
         }
         unreachable!("the loop returns in its last round")

@@ -101,6 +101,7 @@ impl Planner<'_> {
             integrator: refinement.integrator,
             max_step: refinement.max_step,
             between: true,
+            rough: false,
             weights: Weights {
                 acceleration: SMOOTHER * settings.weights.acceleration,
                 ..settings.weights.clone()

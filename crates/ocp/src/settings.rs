@@ -212,6 +212,8 @@ pub struct Settings {
     /// Are collisions between the nodes of a motion repaired; not on a coarse grid that a finer one follows, whose nodes lie
     /// there.
     pub between: bool,
+    /// Does a motion end near a solution ([`NEARLY_SOLVED`]), since a finer grid follows that changes it more.
+    pub rough: bool,
     /// Iteration limit of one solve.
     pub max_iterations: usize,
     /// Smallest barrier parameter; zero: as small as the solver's own. A motion that solves a barrier problem satisfies every row
@@ -219,6 +221,9 @@ pub struct Settings {
     /// (benches/runs/2026-11-21-barrier.md); refinement finds its own optimum.
     pub barrier: f64,
 }
+
+/// Violation (scaled rows) below which a motion is nearly one: what it misses is far less than what a finer grid changes.
+pub(crate) const NEARLY_SOLVED: f64 = 3e-3;
 
 /// Longest interval of a coarse motion of the preset `default` [s]: what explicit Euler does with longer ones is no motion of a
 /// robot. Refinement lets phases grow that this keeps short.
@@ -250,6 +255,7 @@ impl Settings {
                 Margins::none()
             },
             between: preset == Preset::Default,
+            rough: false,
             max_iterations: options.max_iterations,
             barrier: if preset == Preset::Default {
                 BARRIER

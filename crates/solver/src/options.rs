@@ -35,6 +35,19 @@ pub struct Options {
     pub time_limit: f64,
     /// Stop when this many iterations made short steps and hardly lowered the least violation; 0: never.
     pub stall_iterations: usize,
+    /// Stop ([`crate::Status::Acceptable`]) at a point that is so near to a solution; `None`: go on to the solution.
+    pub enough: Option<Enough>,
+}
+
+/// What is enough where a solution is the start of another solve, and no more.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Enough {
+    /// Largest row violation, in the problem's scaled rows.
+    pub violation: f64,
+    /// Largest scaled dual residual.
+    pub dual: f64,
+    /// Largest barrier parameter.
+    pub barrier: f64,
 }
 
 impl Default for Options {
@@ -56,6 +69,7 @@ impl Default for Options {
             keeps_filter: false,
             time_limit: f64::INFINITY,
             stall_iterations: 15,
+            enough: None,
         }
     }
 }

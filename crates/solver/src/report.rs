@@ -7,7 +7,8 @@ use std::time::Duration;
 pub enum Status {
     /// All tolerances are met.
     Solved,
-    /// The violation was acceptable for long enough and the objective stood still ([`crate::Options::acceptable_iterations`]).
+    /// The violation was acceptable for long enough and the objective stood still ([`crate::Options::acceptable_iterations`]),
+    /// or the point is near enough to a solution ([`crate::Options::enough`]).
     Acceptable,
     /// The violation stopped falling above its tolerance.
     Stalled,

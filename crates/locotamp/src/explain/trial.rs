@@ -98,6 +98,7 @@ impl<'a> Trials<'a> {
         let planner = Planner::new(scene).ok()?;
         check_start(scene, &planner).ok()?;
         let mut settings = search::settings(scene, self.request).ok()?;
+        settings.rough = false;
         let mut phases = phases.to_vec();
         if effort == Effort::Coarse {
             settings.max_iterations = settings.max_iterations.min(COARSE_ITERATIONS);

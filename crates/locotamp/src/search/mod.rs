@@ -197,6 +197,7 @@ pub(crate) fn settings(scene: &Scene, request: &Request) -> Result<Settings, Err
     Ok(Settings {
         integrator: request.integrator,
         between: settings.between && request.refines().is_none(),
+        rough: request.refines().is_some(),
         ..settings
     })
 }

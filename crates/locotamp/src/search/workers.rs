@@ -3,7 +3,7 @@
 use super::turns::Turns;
 use crate::api::Event;
 use crate::journal::{PointEntry, Tried};
-use crate::refine::{hold, may_hold, on_finer_grid};
+use crate::refine::{hold, on_finer_grid};
 use crate::{export, summary};
 use ocp::{Motion, Phase, Planner, Point, Refinement, Relative, Settings};
 use plan::Plan;
@@ -187,8 +187,9 @@ impl Shop<'_> {
                 near.unwrap_or_else(|| planner.motion(phases, settings, &nodes, &mut watch))
             }
         };
-        let relative = motion.feasible.then(|| Arc::new(motion.relative()));
-        let refinement = self.holds.filter(|_| may_hold(&motion));
+        let refinement = self.holds.filter(|_| motion.is_nearly_feasible());
+        let good = motion.feasible || refinement.is_some();
+        let relative = good.then(|| Arc::new(motion.relative()));
         if let Some(refinement) = refinement {
             motion = hold(planner, phases, settings, (&motion, refinement), &mut watch);
         }

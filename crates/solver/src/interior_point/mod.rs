@@ -150,7 +150,7 @@ impl<P: Problem> InteriorPoint<P> {
                 break Status::Solved;
             } else if !go_on || begin.elapsed().as_secs_f64() > options.time_limit {
                 break Status::Interrupted;
-            } else if acceptable.is_reached() {
+            } else if acceptable.is_reached() || errors.are_enough(options, state.mu) {
                 break Status::Acceptable;
             } else if stall.is_stalled() {
                 break Status::Stalled;

@@ -26,6 +26,15 @@ impl Errors {
             && self.dual <= options.dual_tolerance
             && self.complementarity <= options.complementarity_tolerance
     }
+
+    /// True at a barrier parameter if that is [`Options::enough`].
+    pub fn are_enough(&self, options: &Options, barrier: f64) -> bool {
+        options.enough.is_some_and(|enough| {
+            self.violation <= enough.violation
+                && self.dual <= enough.dual
+                && barrier <= enough.barrier
+        })
+    }
 }
 
 impl<P: Problem> InteriorPoint<P> {
