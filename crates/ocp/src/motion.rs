@@ -6,7 +6,7 @@ use crate::point::Point;
 use crate::problem::Trajectory;
 use crate::program::{Grid, Phase, Program, RowLabel};
 use crate::relative_motion::Relative;
-use crate::settings::{NEARLY_SOLVED, Settings};
+use crate::settings::{Ending, NEARLY_SOLVED, Settings};
 use crate::system::System;
 use scene::Scene;
 use solver::{
@@ -30,10 +30,18 @@ const FINEST_BARRIER: f64 = 0.01;
 const FINER_PUSH: f64 = 1e-3;
 /// Largest violation of a solution (scaled rows).
 const SOLVED: f64 = 1e-6;
-/// Dual residual and barrier parameter at the end of a motion that need not be one to the last digit: most costs are within a few
-/// per cent of the optimum then.
-const ROUGH_DUAL: f64 = 5.0;
-const ROUGH_BARRIER: f64 = 4e-3;
+/// Where a motion may end that is the start of another one: mostly within a few per cent of the least cost.
+const ROUGH: Enough = Enough {
+    violation: NEARLY_SOLVED,
+    dual: 5.0,
+    barrier: 4e-3,
+};
+/// Where one may end that is not: within one per cent or two; a tenth of the violation that the checker allows.
+const GOOD: Enough = Enough {
+    violation: 10.0 * SOLVED,
+    dual: 1.0,
+    barrier: 5e-4,
+};
 /// Iterations that stand still within ten times that (a tenth of what the checker allows) before they count as one.
 const STILL_ITERATIONS: usize = 10;
 /// Complementarity products and dual residual at the solution of a barrier problem: the products come to about the barrier
@@ -165,13 +173,11 @@ impl First {
             options.feasibility_tolerance = SOLVED;
             options.acceptable_iterations = STILL_ITERATIONS;
         }
-        if settings.rough {
-            options.enough = Some(Enough {
-                violation: NEARLY_SOLVED,
-                dual: ROUGH_DUAL,
-                barrier: ROUGH_BARRIER,
-            });
-        }
+        options.enough = match settings.ending {
+            Ending::Exact => None,
+            Ending::Good => Some(GOOD),
+            Ending::Rough => Some(ROUGH),
+        };
         if program.has_velocities() {
             options.feasibility_tolerance = STATE_TOLERANCE;
             options.dual_tolerance = STATE_DUAL_TOLERANCE;
@@ -259,10 +265,9 @@ impl<'a> Planner<'a> {
     ) -> Option<Motion> {
         let (program, point, first) = self.start_from(phases, settings, relative)?;
         let motion = self.optimise(phases, program, point, first, observe);
-        let found = if settings.rough {
-            motion.is_nearly_feasible()
-        } else {
-            motion.feasible
+        let found = match settings.ending {
+            Ending::Rough => motion.is_nearly_feasible(),
+            Ending::Exact | Ending::Good => motion.feasible,
         };
         let ended = found || motion.report.status == Status::Interrupted;
         ended.then_some(motion)
@@ -331,7 +336,8 @@ impl<'a> Planner<'a> {
             let nearly = options.acceptable_iterations > 0
                 && report.violation <= options.acceptable_tolerance;
             let solved = nearly || report.violation <= SOLVED;
-            let nearly_solved = solved || (settings.rough && report.violation <= NEARLY_SOLVED);
+            let is_rough = settings.ending == Ending::Rough;
+            let nearly_solved = solved || (is_rough && report.violation <= NEARLY_SOLVED);
             if nearly_solved && report.status != Status::Interrupted && round < REPAIRS {
                 let between = settings.between
                     && self.collisions.find_crossings(

@@ -1,9 +1,8 @@
-//! More intervals for phases in which keyframes lie far apart, fewer for those in which nothing goes anywhere.
+//! More intervals for phases in which keyframes lie far apart.
 //!
-//! A coarse motion begins with the same number of intervals in every phase, and none may be longer than
+//! A coarse motion has the same number of intervals in every phase, and none may be longer than
 //! [`Settings::max_step`]. That is enough for a step or for a hand that reaches out, not for a squat down to the floor: such a
-//! phase gets intervals for the time that its distance takes. Where a phase ends by letting go alone (both feet on the ground
-//! before a step, a box put down before its release), loads are shifted and nothing travels: half as many are enough.
+//! phase gets intervals for the time that its distance takes.
 
 use crate::motion::Planner;
 use crate::program::Phase;
@@ -17,18 +16,15 @@ const MOST: usize = 2;
 
 impl Planner<'_> {
     /// The phases with as many intervals as the distances between their keyframes, `nodes[k]` and `nodes[k + 1]` of phase k,
-    /// ask for, and no fewer than they have, or half as many where the phase ends by letting go.
+    /// ask for, and no fewer than they have.
     pub fn paced(&self, phases: &[Phase], settings: &Settings, nodes: &[Vec<f64>]) -> Vec<Phase> {
-        let pairs = phases.iter().enumerate().zip(nodes.windows(2));
-        let paced = pairs.map(|((k, phase), ends)| {
-            let next = phases.get(k + 1);
-            let lets_go = next.is_some_and(|next| next.state.is_subset(&phase.state));
-            let least = phase.steps.div_ceil(if lets_go { 2 } else { 1 });
+        let pairs = phases.iter().zip(nodes.windows(2));
+        let paced = pairs.map(|(phase, ends)| {
             let seconds = UNHURRIED * self.distance(settings, &ends[0], &ends[1]).sqrt();
             let intervals = (seconds.min(settings.max_duration) / settings.max_step).ceil();
             Phase {
                 state: phase.state.clone(),
-                steps: (intervals as usize).clamp(least, MOST * phase.steps),
+                steps: (intervals as usize).clamp(phase.steps, MOST * phase.steps),
             }
         });
         paced.collect()

@@ -8,7 +8,7 @@ use crate::guess::Curve;
 use crate::motion::{First, Motion, Planner, near};
 use crate::point::Point;
 use crate::program::{Grid, Phase};
-use crate::settings::{Integrator, Settings, Weights};
+use crate::settings::{Ending, Integrator, Settings, Weights};
 use solver::Iteration;
 
 /// What the finer grid is like.
@@ -101,7 +101,7 @@ impl Planner<'_> {
             integrator: refinement.integrator,
             max_step: refinement.max_step,
             between: true,
-            rough: false,
+            ending: Ending::Good,
             weights: Weights {
                 acceleration: SMOOTHER * settings.weights.acceleration,
                 ..settings.weights.clone()

@@ -190,6 +190,17 @@ impl Margins {
     }
 }
 
+/// How near to a solution of its problem a motion ends; every row of it holds unless it is [`Ending::Rough`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ending {
+    /// At a solution.
+    Exact,
+    /// Where every row holds and the last per cent of the cost is left, which can take as many iterations as all that is before.
+    Good,
+    /// Where rows miss up to [`NEARLY_SOLVED`], since a finer grid follows that changes more.
+    Rough,
+}
+
 /// Everything that shapes the problem beside the scene and the contact sequence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
@@ -212,8 +223,8 @@ pub struct Settings {
     /// Are collisions between the nodes of a motion repaired; not on a coarse grid that a finer one follows, whose nodes lie
     /// there.
     pub between: bool,
-    /// Does a motion end near a solution ([`NEARLY_SOLVED`]), since a finer grid follows that changes it more.
-    pub rough: bool,
+    /// How near to a solution a motion ends.
+    pub ending: Ending,
     /// Iteration limit of one solve.
     pub max_iterations: usize,
     /// Smallest barrier parameter; zero: as small as the solver's own. A motion that solves a barrier problem satisfies every row
@@ -222,7 +233,7 @@ pub struct Settings {
     pub barrier: f64,
 }
 
-/// Violation (scaled rows) below which a motion is nearly one: what it misses is far less than what a finer grid changes.
+/// Violation (scaled rows) below which a motion is nearly one.
 pub(crate) const NEARLY_SOLVED: f64 = 3e-3;
 
 /// Longest interval of a coarse motion of the preset `default` [s]: what explicit Euler does with longer ones is no motion of a
@@ -255,7 +266,7 @@ impl Settings {
                 Margins::none()
             },
             between: preset == Preset::Default,
-            rough: false,
+            ending: Ending::Exact,
             max_iterations: options.max_iterations,
             barrier: if preset == Preset::Default {
                 BARRIER

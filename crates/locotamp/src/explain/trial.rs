@@ -3,7 +3,7 @@
 use crate::api::{Event, Request};
 use crate::search;
 use crate::start::check_start;
-use ocp::{Keyframes, Motion, Phase, Planner};
+use ocp::{Ending, Keyframes, Motion, Phase, Planner};
 use scene::Scene;
 use solver::Iteration;
 use std::time::Instant;
@@ -98,7 +98,7 @@ impl<'a> Trials<'a> {
         let planner = Planner::new(scene).ok()?;
         check_start(scene, &planner).ok()?;
         let mut settings = search::settings(scene, self.request).ok()?;
-        settings.rough = false;
+        settings.ending = Ending::Exact;
         let mut phases = phases.to_vec();
         if effort == Effort::Coarse {
             settings.max_iterations = settings.max_iterations.min(COARSE_ITERATIONS);

@@ -27,7 +27,7 @@ use crate::journal::{Header, Journal, States};
 use crate::start::check_start;
 use diverse::{Diverse, Kept};
 use failures::Failures;
-use ocp::{Integrator, Phase, Planner, Point, Preset, Relative, Settings};
+use ocp::{Ending, Integrator, Phase, Planner, Point, Preset, Relative, Settings};
 use proposals::{Candidate, Work};
 use reward::Rewards;
 use scene::{Owner, Scene};
@@ -197,7 +197,10 @@ pub(crate) fn settings(scene: &Scene, request: &Request) -> Result<Settings, Err
     Ok(Settings {
         integrator: request.integrator,
         between: settings.between && request.refines().is_none(),
-        rough: request.refines().is_some(),
+        ending: match request.refines() {
+            Some(_) => Ending::Rough,
+            None => Ending::Exact,
+        },
         ..settings
     })
 }
