@@ -125,6 +125,7 @@ pub(crate) fn words(status: Status) -> &'static str {
     match status {
         Status::Solved => "solved",
         Status::Acceptable => "nearly solved",
+        Status::Enough => "good enough",
         Status::Stalled => "stalled",
         Status::IterationLimit => "iteration limit",
         Status::Interrupted => "interrupted",

@@ -188,7 +188,7 @@ fn held(
     };
     let fine = refine::hold(planner, phases, settings, (&coarse, refinement), watch);
     let interrupted = fine.report.status == Status::Interrupted;
-    let was_solved = coarse.feasible || coarse.report.status == Status::Acceptable;
+    let was_solved = coarse.feasible || coarse.report.status == Status::Enough;
     let falls_short = was_solved && !fine.feasible && !interrupted;
     let motion = if fine.feasible || falls_short {
         fine

@@ -154,7 +154,7 @@ pub(crate) fn summarise(scene: &Scene, labels: &[String], motion: &mut Motion) -
         });
         first += steps;
     }
-    let worst = ocp::motion::worst_row(program, &motion.report, 0.0);
+    let worst = ocp::worst_row(program, &motion.report, 0.0);
     Summary {
         phases,
         duration: point.durations.iter().sum(),

@@ -14,10 +14,11 @@
 
 use crate::collision::{Clearances, Crossings, Watched};
 use crate::guess;
-use crate::motion::{Planner, Worst, near, report_at, worst_row};
+use crate::motion::{Planner, near, report_at};
 use crate::problem::Trajectory;
 use crate::program::{Grid, Phase, Program};
 use crate::resistance::{Pull, pulls, violations};
+use crate::resistance::{Worst, worst_row};
 use crate::settings::{Preset, Settings};
 use crate::stagnation::Stagnation;
 use crate::state_guess;

@@ -38,7 +38,7 @@ mod torque_speed;
 
 pub use between::Between;
 pub use keyframes::Keyframes;
-pub use motion::{Motion, Planner, Worst};
+pub use motion::{Motion, Planner};
 pub use objective::{CostTerm, CostTerms};
 pub use point::Point;
 pub use problem::{Trajectory, physical_wrench};
@@ -48,6 +48,6 @@ pub use program::{
 pub use refine::Refinement;
 pub use relative::{Body, Carrier};
 pub use relative_motion::Relative;
-pub use resistance::{Pull, pulls, violations};
+pub use resistance::{Pull, Worst, pulls, violations, worst_row};
 pub use settings::{Ending, Integrator, Margins, Preset, Settings, Weights};
 pub use system::System;

@@ -4,13 +4,15 @@ use crate::collision::{Clearances, CollisionModel, Crossings};
 use crate::guess;
 use crate::point::Point;
 use crate::problem::Trajectory;
-use crate::program::{Grid, Phase, Program, RowLabel};
+use crate::program::{Grid, Phase, Program};
 use crate::relative_motion::Relative;
+use crate::resistance::{Worst, hardest_limit, worst_row};
 use crate::settings::{Ending, NEARLY_SOLVED, Settings};
 use crate::system::System;
 use scene::Scene;
 use solver::{
-    ElementData, Enough, InteriorPoint, Iteration, Options, Problem, Report, Status, Structure, Timing,
+    ElementData, Enough, InteriorPoint, Iteration, Options, Problem, Report, Status, Structure,
+    Timing,
 };
 
 /// Rounds of solving with more rows for what collides.
@@ -56,19 +58,6 @@ const STATE_DUAL_TOLERANCE: f64 = 1e-2;
 /// of it need fewer iterations.
 const STATE_REGULARISATION: f64 = 1e-8;
 const STATE_REFINEMENTS: usize = 1;
-
-/// A problem's worst row in words.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Worst {
-    /// Where the row comes from.
-    pub label: RowLabel,
-    /// Phase.
-    pub phase: usize,
-    /// Interval.
-    pub interval: usize,
-    /// Violation in the label's unit.
-    pub amount: f64,
-}
 
 /// A motion.
 pub struct Motion {
@@ -458,51 +447,4 @@ fn largest_violation(data: &[ElementData], structure: &Structure) -> f64 {
         }
     }
     most
-}
-
-/// The most violated row of a report, in units of its label; `None` if no scaled violation exceeds `least`.
-pub fn worst_row(program: &Program, report: &Report, least: f64) -> Option<Worst> {
-    let mut worst: Option<Worst> = None;
-    let mut row = 0;
-    for (t, element) in program.structure.elements.iter().enumerate() {
-        for (l, u) in element.row_lower.iter().zip(&element.row_upper) {
-            let amount = (l - report.rows[row]).max(report.rows[row] - u);
-            let label = &program.labels[row];
-            if amount > worst.as_ref().map_or(least, |w| w.amount / w.label.scale) {
-                let amount = amount * label.scale;
-                worst = Some(Worst {
-                    label: label.clone(),
-                    phase: program.phase_of(t),
-                    interval: t,
-                    amount,
-                });
-            }
-            row += 1;
-        }
-    }
-    worst
-}
-
-/// The inequality row with the largest multiplier, and its violation (zero if it is none).
-pub fn hardest_limit(program: &Program, report: &Report) -> Option<Worst> {
-    let mut hardest: Option<(f64, Worst)> = None;
-    let mut row = 0;
-    for (t, element) in program.structure.elements.iter().enumerate() {
-        for (l, u) in element.row_lower.iter().zip(&element.row_upper) {
-            let pull = report.multipliers[row].abs();
-            if l < u && pull > hardest.as_ref().map_or(0.0, |h| h.0) {
-                let label = program.labels[row].clone();
-                let value = report.rows[row];
-                let worst = Worst {
-                    phase: program.phase_of(t),
-                    interval: t,
-                    amount: (l - value).max(value - u).max(0.0) * label.scale,
-                    label,
-                };
-                hardest = Some((pull, worst));
-            }
-            row += 1;
-        }
-    }
-    hardest.map(|h| h.1)
 }

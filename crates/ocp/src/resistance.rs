@@ -3,9 +3,21 @@
 //! At a point of least violation the multipliers y of what is violated and of what holds it there balance, Jᵀy ≈ 0 (the
 //! lemma of Farkas, linearised), so their sizes say what pulls.
 
-use crate::motion::Worst;
 use crate::program::{Grid, Program, RowLabel, Subject};
 use solver::Report;
+
+/// A problem's worst row in words.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Worst {
+    /// Where the row comes from.
+    pub label: RowLabel,
+    /// Phase.
+    pub phase: usize,
+    /// Interval.
+    pub interval: usize,
+    /// Violation in the label's unit.
+    pub amount: f64,
+}
 
 /// All multipliers of one constraint in one phase.
 #[derive(Debug, Clone, PartialEq)]
@@ -145,4 +157,51 @@ fn crossed_variables(program: &Program) -> Vec<Worst> {
             phase,
         })
         .collect()
+}
+
+/// The most violated row of a report, in units of its label; `None` if no scaled violation exceeds `least`.
+pub fn worst_row(program: &Program, report: &Report, least: f64) -> Option<Worst> {
+    let mut worst: Option<Worst> = None;
+    let mut row = 0;
+    for (t, element) in program.structure.elements.iter().enumerate() {
+        for (l, u) in element.row_lower.iter().zip(&element.row_upper) {
+            let amount = (l - report.rows[row]).max(report.rows[row] - u);
+            let label = &program.labels[row];
+            if amount > worst.as_ref().map_or(least, |w| w.amount / w.label.scale) {
+                let amount = amount * label.scale;
+                worst = Some(Worst {
+                    label: label.clone(),
+                    phase: program.phase_of(t),
+                    interval: t,
+                    amount,
+                });
+            }
+            row += 1;
+        }
+    }
+    worst
+}
+
+/// The inequality row with the largest multiplier, and its violation (zero if it is none).
+pub fn hardest_limit(program: &Program, report: &Report) -> Option<Worst> {
+    let mut hardest: Option<(f64, Worst)> = None;
+    let mut row = 0;
+    for (t, element) in program.structure.elements.iter().enumerate() {
+        for (l, u) in element.row_lower.iter().zip(&element.row_upper) {
+            let pull = report.multipliers[row].abs();
+            if l < u && pull > hardest.as_ref().map_or(0.0, |h| h.0) {
+                let label = program.labels[row].clone();
+                let value = report.rows[row];
+                let worst = Worst {
+                    phase: program.phase_of(t),
+                    interval: t,
+                    amount: (l - value).max(value - u).max(0.0) * label.scale,
+                    label,
+                };
+                hardest = Some((pull, worst));
+            }
+            row += 1;
+        }
+    }
+    hardest.map(|h| h.1)
 }

@@ -35,7 +35,7 @@ pub struct Options {
     pub time_limit: f64,
     /// Stop when this many iterations made short steps and hardly lowered the least violation; 0: never.
     pub stall_iterations: usize,
-    /// Stop ([`crate::Status::Acceptable`]) at a point that is so near to a solution; `None`: go on to the solution.
+    /// Stop ([`crate::Status::Enough`]) at a point that is so near to a solution; `None`: go on to the solution.
     pub enough: Option<Enough>,
 }
 

@@ -7,9 +7,10 @@ use std::time::Duration;
 pub enum Status {
     /// All tolerances are met.
     Solved,
-    /// The violation was acceptable for long enough and the objective stood still ([`crate::Options::acceptable_iterations`]),
-    /// or the point is near enough to a solution ([`crate::Options::enough`]).
+    /// The violation was acceptable for long enough and the objective stood still ([`crate::Options::acceptable_iterations`]).
     Acceptable,
+    /// The point is as near to a solution as was asked for ([`crate::Options::enough`]).
+    Enough,
     /// The violation stopped falling above its tolerance.
     Stalled,
     /// The iteration limit was reached.

@@ -2,7 +2,7 @@
 
 use multibody::{CenterOfMass, Kinematics};
 use nalgebra::Vector3;
-use ocp::{Grid, Integrator, Phase, Planner, Preset, Program, Settings};
+use ocp::{Ending, Grid, Integrator, Phase, Planner, Preset, Program, Refinement, Settings};
 use scene::{Scene, SequenceFile};
 use spatial::Pose;
 use std::path::Path;
@@ -239,6 +239,39 @@ fn on_fine_grids_the_weight_is_over_the_standing_foot_before_another_one_lands()
     // Of the last 0.4 s in steps of 20 ms.
     assert_eq!(balanced(0.02), (30..50).collect::<Vec<_>>());
     assert!(balanced(0.06).is_empty(), "coarse grids are left alone");
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "slow without optimisation")]
+fn a_rough_motion_misses_little_after_fewer_iterations_and_is_a_start_for_a_finer_grid() {
+    let (scene, phases, settings) = sequence("yardstick/red_step.toml");
+    let planner = Planner::new(&scene).expect("a model");
+    let keyframes = planner.keyframes(&phases, &settings);
+    let solve =
+        |settings: &Settings| planner.motion(&phases, settings, &keyframes.nodes, &mut |_| true);
+    let rough = Settings {
+        ending: Ending::Rough,
+        ..settings.clone()
+    };
+    let (exact, motion) = (solve(&settings), solve(&rough));
+    assert!(exact.feasible && motion.is_nearly_feasible());
+    let misses = motion.report.violation;
+    assert!(misses <= 3e-3, "{misses}");
+    let worst = motion.worst.as_ref().map(|w| w.amount / w.label.scale);
+    assert_eq!(motion.feasible, worst.is_none(), "{worst:?}");
+    assert!(
+        motion.iterations < exact.iterations,
+        "rough {}, exact {}",
+        motion.iterations,
+        exact.iterations
+    );
+    let grid = Refinement {
+        max_step: 0.06,
+        ..Refinement::default()
+    };
+    let fine = planner.refine(&phases, &rough, &motion, grid, &mut |_| true);
+    assert!(fine.feasible, "{:?}", fine.worst);
+    assert!(fine.report.violation <= 1e-5);
 }
 
 /// Lowest corner of the soles over what they land on or have left, at the nodes next to those contacts [m].

@@ -150,7 +150,9 @@ impl<P: Problem> InteriorPoint<P> {
                 break Status::Solved;
             } else if !go_on || begin.elapsed().as_secs_f64() > options.time_limit {
                 break Status::Interrupted;
-            } else if acceptable.is_reached() || errors.are_enough(options, state.mu) {
+            } else if errors.are_enough(options, state.mu) {
+                break Status::Enough;
+            } else if acceptable.is_reached() {
                 break Status::Acceptable;
             } else if stall.is_stalled() {
                 break Status::Stalled;
@@ -184,7 +186,7 @@ impl<P: Problem> InteriorPoint<P> {
             };
             line.number += 1;
         };
-        let ended_well = matches!(status, Status::Solved | Status::Acceptable);
+        let ended_well = matches!(status, Status::Solved | Status::Acceptable | Status::Enough);
         if !ended_well && best.violation() < errors.violation {
             errors.violation = best.violation();
             let bounds = &mut state.vars;

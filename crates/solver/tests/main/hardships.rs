@@ -2,7 +2,7 @@
 
 use crate::programs::solve;
 use crate::samples::{Dense, INF, dense, hock_schittkowski_71};
-use solver::{Contradiction, InteriorPoint, Options, Problem, Report, Status};
+use solver::{Contradiction, Enough, InteriorPoint, Options, Problem, Report, Status};
 
 fn solve_with(
     mut problem: Dense,
@@ -341,4 +341,45 @@ fn crossed_bounds_are_named_and_nothing_is_tried() {
     assert_eq!(found, Some(Contradiction::Variable(1)));
     let (_, report) = solve(crossed_variable, &[0.5, 0.5]);
     assert_eq!(report.status, Status::Contradictory);
+}
+
+#[test]
+fn a_solve_ends_where_the_point_is_as_near_to_a_solution_as_was_asked_for() {
+    let solved_to = |enough| {
+        let options = Options {
+            enough,
+            ..Options::default()
+        };
+        let start = [1.0, 5.0, 5.0, 1.0];
+        solve_with(hock_schittkowski_71(), &start, &options, &mut |_| true).1
+    };
+    let enough = Enough {
+        violation: 1e-2,
+        dual: 1.0,
+        barrier: 1e-2,
+    };
+    let (exact, report) = (solved_to(None), solved_to(Some(enough)));
+    assert_eq!(exact.status, Status::Solved);
+    assert_eq!(report.status, Status::Enough);
+    assert!(report.iterations < exact.iterations);
+    assert!(report.violation <= 1e-2 && report.violation > exact.violation);
+    assert!((report.objective - 17.014).abs() < 0.5, "near the optimum");
+    // Each of the three counts.
+    let stricter = [
+        Enough {
+            violation: 1e-6,
+            ..enough
+        },
+        Enough {
+            dual: 1e-6,
+            ..enough
+        },
+        Enough {
+            barrier: 1e-6,
+            ..enough
+        },
+    ];
+    for enough in stricter {
+        assert!(solved_to(Some(enough)).iterations > report.iterations);
+    }
 }
