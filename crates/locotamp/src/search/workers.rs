@@ -156,6 +156,20 @@ impl Drop for Alarm {
     }
 }
 
+/// Iterations on the finer grid after which a motion that costs so many times what the coarse one does is given up: those that end
+/// well cost up to four times as much, those that do not soon a hundred (benches/runs/2026-11-24-endings.md).
+const PATIENCE: usize = 50;
+const DEAREST: f64 = 6.0;
+
+/// Largest cost of a motion on the finer grid that is worth more iterations. Costs with rewards may be zero or less.
+fn most_cost(coarse: f64) -> f64 {
+    if coarse > 0.0 {
+        DEAREST * coarse
+    } else {
+        f64::INFINITY
+    }
+}
+
 impl Shop<'_> {
     fn evaluate(self, job: Job, turns: &Turns, sender: &Sender<Message>) -> Evaluated {
         let turn = turns.enter(job.number, job.clock);
@@ -191,6 +205,9 @@ impl Shop<'_> {
         let good = motion.feasible || refinement.is_some();
         let relative = good.then(|| Arc::new(motion.relative()));
         if let Some(refinement) = refinement {
+            let most = most_cost(motion.report.objective);
+            let mut watch =
+                |i: &Iteration| watch(i) && (i.number < PATIENCE || i.objective <= most);
             motion = hold(planner, phases, settings, (&motion, refinement), &mut watch);
         }
         let mut done = self.report(&job.labels, &mut motion, relative);
