@@ -159,7 +159,7 @@ impl Drop for Alarm {
 /// Iterations on the finer grid after which a motion that costs so many times what the coarse one does is given up: those that end
 /// well cost up to four times as much, those that do not soon a hundred (benches/runs/2026-11-24-endings.md).
 const PATIENCE: usize = 50;
-const DEAREST: f64 = 6.0;
+const DEAREST: f64 = 4.0;
 
 /// Largest cost of a motion on the finer grid that is worth more iterations. Costs with rewards may be zero or less.
 fn most_cost(coarse: f64) -> f64 {
