@@ -197,7 +197,7 @@ pub enum Ending {
     Exact,
     /// Where every row holds and the last per cent of the cost is left, which can take as many iterations as all that is before.
     Good,
-    /// Where rows miss up to [`NEARLY_SOLVED`], since a finer grid follows that changes more.
+    /// Where rows miss up to 3e-3 (scaled), since a finer grid follows that changes more.
     Rough,
 }
 
