@@ -39,7 +39,7 @@ pub struct Options {
     pub enough: Option<Enough>,
 }
 
-/// What is enough where a solution is the start of another solve, and no more.
+/// What is enough where a solution need not be one to the last digit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Enough {
     /// Largest row violation, in the problem's scaled rows.

@@ -156,8 +156,8 @@ impl Drop for Alarm {
     }
 }
 
-/// Iterations on the finer grid after which a motion that costs so many times what the coarse one does is given up: those that end
-/// well cost up to four times as much, those that do not soon a hundred (benches/runs/2026-11-24-endings.md).
+/// Iterations on the finer grid after which a motion that costs so many times what the coarse one does is given up: those that ended
+/// well cost up to three times as much, most of those that did not five times and more (benches/runs/2026-11-24-endings.md).
 const PATIENCE: usize = 50;
 const DEAREST: f64 = 4.0;
 
@@ -249,5 +249,16 @@ impl Shop<'_> {
             plan: motion.feasible.then(|| export::plan(scene, labels, motion)),
             relative,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_motion_that_costs_five_times_as_much_is_given_up_unless_rewards_make_costs_negative() {
+        assert!(15.0 <= most_cost(5.0) && 25.0 > most_cost(5.0));
+        assert!(most_cost(-5.0) == f64::INFINITY && most_cost(0.0) == f64::INFINITY);
     }
 }
