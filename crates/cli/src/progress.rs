@@ -176,6 +176,10 @@ impl Progress {
             } => {
                 self.doing = format!("explaining, solve {solves}: {doing}, iteration {iteration}");
             }
+            Event::Coarse { number, cost } => {
+                let title = self.title(*number);
+                return Some(format!("{title}: a coarse motion, cost {cost:.3}"));
+            }
             Event::Optimised {
                 number,
                 feasible,

@@ -174,6 +174,13 @@ pub enum Event {
         /// Iteration of the present one; 0 at its start.
         iteration: usize,
     },
+    /// A motion was found on the coarse grid; it waits for its turn on the grid on which it must hold.
+    Coarse {
+        /// Number of the sequence.
+        number: usize,
+        /// Its cost.
+        cost: f64,
+    },
     /// A trajectory was optimised.
     Optimised {
         /// Number of the sequence.

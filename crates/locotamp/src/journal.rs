@@ -1,8 +1,8 @@
 //! The journal of a search: one JSON object per line and answer, so that a run that was killed goes on without asking again.
 //!
 //! A search is a function of scene, options, seed and the answers that it gets. The journal keeps the answers by content:
-//! `state` (is there a configuration with these contacts), `prefix` (are there keyframes of this beginning) and `sequence`
-//! (how far a complete sequence got). Format: docs/journal-format.md.
+//! `state` (is there a configuration with these contacts), `prefix` (are there keyframes of this beginning), `coarse` (the
+//! motion of a sequence on the coarse grid) and `sequence` (how far a complete sequence got). Format: docs/journal-format.md.
 
 use crate::api::Error;
 use ocp::Point;
@@ -80,6 +80,31 @@ pub struct Answer {
     pub reason: Option<String>,
     /// Time that the answer took [s].
     pub seconds: f64,
+}
+
+/// A motion on the coarse grid, of a sequence that may be tried on a finer one.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Coarse {
+    /// Number of the sequence, from 1.
+    pub number: usize,
+    /// Seconds since the search began.
+    pub at: f64,
+    /// Contacts per phase.
+    pub states: States,
+    /// Cost that its keyframes promised.
+    pub promise: f64,
+    /// Cost of the motion.
+    pub cost: f64,
+    /// Its largest violation (scaled rows).
+    pub violation: f64,
+    /// Iterations of the optimiser.
+    pub iterations: usize,
+    /// Work of the optimiser, as of [`Tried`].
+    pub work: u64,
+    /// Time of the optimiser [s].
+    pub seconds: f64,
+    /// The motion.
+    pub point: PointEntry,
 }
 
 /// A complete sequence that was tried.
@@ -172,6 +197,7 @@ enum Line {
     Run(Header),
     State(Answer),
     Prefix(Answer),
+    Coarse(Box<Coarse>),
     Sequence(Box<Tried>),
 }
 
@@ -181,6 +207,7 @@ pub(crate) struct Journal {
     file: Option<File>,
     states: BTreeMap<States, Answer>,
     prefixes: BTreeMap<States, Answer>,
+    coarse: BTreeMap<States, Coarse>,
     sequences: BTreeMap<States, Tried>,
 }
 
@@ -258,6 +285,9 @@ impl Journal {
                 Line::Prefix(answer) => {
                     self.prefixes.insert(answer.states.clone(), answer);
                 }
+                Line::Coarse(coarse) => {
+                    self.coarse.insert(coarse.states.clone(), *coarse);
+                }
                 Line::Sequence(tried) => {
                     self.sequences.insert(tried.states.clone(), *tried);
                 }
@@ -300,6 +330,15 @@ impl Journal {
     /// What is known of a sequence from the run that is continued.
     pub fn take_sequence(&mut self, states: &States) -> Option<Tried> {
         self.sequences.remove(states)
+    }
+
+    /// The same of its motion on the coarse grid.
+    pub fn take_coarse(&mut self, states: &States) -> Option<Coarse> {
+        self.coarse.remove(states)
+    }
+
+    pub fn note_coarse(&mut self, coarse: Coarse) {
+        self.write(&Line::Coarse(Box::new(coarse)));
     }
 
     pub fn note_sequence(&mut self, tried: Tried) {

@@ -144,6 +144,7 @@ impl<'a> Watch<'a> {
                 self.search.get_or_insert(now);
             }
             Event::Started { .. }
+            | Event::Coarse { .. }
             | Event::Keyframes { .. }
             | Event::Explaining { .. }
             | Event::Tried { .. } => {}

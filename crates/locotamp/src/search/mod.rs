@@ -137,6 +137,8 @@ pub fn plan(
             drawn_before: 0,
             submitted: 0,
             waiting: vec![],
+            moved: 0,
+            grown: vec![],
             clock: 0,
             under_way: UnderWay::default(),
             lost: false,
@@ -223,12 +225,15 @@ struct Run<'a> {
     checks: Checks<'a>,
     workers: Workers,
     observe: &'a mut dyn FnMut(&Event) -> bool,
-    /// Number of sequences drawn from the policy; when one was submitted last; how many were submitted.
+    /// Number of sequences drawn from the policy; when a motion was begun last; how many were begun.
     drawn: usize,
     drawn_before: usize,
     submitted: usize,
-    /// Sequences that wait for their turn.
+    /// Sequences that wait for their turn, with or without a motion on the coarse grid.
     waiting: Vec<(Candidate, Work)>,
+    /// Number of sequences tried on the coarse grid, and what their motions cost more than their keyframes promised.
+    moved: usize,
+    grown: Vec<f64>,
     /// Work done until now as the search counts it ([`turns`]): that of the result taken last, or of the draws since.
     clock: u64,
     /// Sequences whose motion is being optimised, or was and whose result waits for its turn.
@@ -280,15 +285,18 @@ impl Run<'_> {
             if let Some(reason) = self.is_over() {
                 return reason;
             }
-            let has_room = self.under_way.len() < IN_FLIGHT.min(FIRST + self.optimised() / 2);
+            let has_room = self.under_way.len() < std::env::var("INF").map_or(IN_FLIGHT, |s| s.parse().unwrap()).min(std::env::var("FST").map_or(FIRST, |s| s.parse().unwrap()) + self.moved / 2);
+            if self.is_full() {
+                ended.get_or_insert_with(|| self.full());
+            }
             let has_choice = ended.is_some() || self.has_choice();
+            if has_room && self.submit(has_choice) {
+                continue;
+            }
             if !has_choice && !self.is_last_there() {
                 if !self.draw() {
                     ended = Some(self.exhausted());
                 }
-                continue;
-            }
-            if has_room && self.submit() {
                 continue;
             }
             if !self.under_way.is_empty() {
@@ -312,7 +320,6 @@ impl Run<'_> {
 
     /// Why the search ends now, if it does.
     fn is_over(&self) -> Option<String> {
-        let optimised = self.optimised();
         let plans = self.diverse.len();
         let request = self.request;
         if self.is_stopped() {
@@ -321,8 +328,6 @@ impl Run<'_> {
             Some(format!("time limit of {} s", request.time_limit))
         } else if plans >= request.solutions {
             Some(format!("{plans} plan(s) found, as asked for"))
-        } else if optimised >= request.max_optimised {
-            Some(format!("{optimised} sequences optimised, the limit"))
         } else {
             None
         }
@@ -355,6 +360,10 @@ impl Run<'_> {
         let finer = intervals / best.steps.iter().sum::<usize>().max(1) as f64;
         let needs = REFINING * finer * best.seconds;
         limit - needs.clamp((1.0 - SEARCH_SHARE) * limit, MOST_REFINING * limit)
+    }
+
+    fn full(&self) -> String {
+        format!("{} sequences optimised, the limit", self.submitted)
     }
 
     fn exhausted(&self) -> String {

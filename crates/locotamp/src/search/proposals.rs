@@ -9,7 +9,7 @@ use super::{FIRST, Run, reward};
 use crate::api::{Attempt, Event, Reached};
 use crate::journal::{PointEntry, Tried};
 use crate::summary;
-use ocp::{Phase, Relative};
+use ocp::{Phase, Point, Relative};
 use scene::{Objective, Owner, Role};
 use symbolic::search::Rejected;
 use symbolic::{Contact, ContactState, Sequence};
@@ -18,8 +18,8 @@ use symbolic::{Contact, ContactState, Sequence};
 const DIFFERENT_AT_END: usize = 2;
 /// Sequences drawn for each that is optimised.
 const DRAWS: usize = 4;
-/// The same for the first [`super::FIRST`] together: nothing else is under way yet, and everybody waits for a good plan.
-const FIRST_DRAWS: usize = 8;
+/// Sequences tried on the coarse grid before the first is tried on a finer one, which takes three times as long.
+const CHOICE: usize = 3;
 /// Work that a draw counts as ([`super::turns`]): about what is done in the same time on one motion.
 const DRAWING: u64 = 2000;
 /// What a phase adds to the cost that keyframes promise: its time, at about half a second.
@@ -40,82 +40,167 @@ const HEIGHT_ROOM: f64 = 0.12;
 pub(super) struct Candidate {
     pub number: usize,
     pub sequence: Sequence,
-    /// The cost to expect.
+    /// The cost that its keyframes promise.
     pub promise: f64,
+    /// Its motion on the coarse grid, once there is one that may hold on a finer grid.
+    pub coarse: Option<Coarse>,
     /// What is known of it from the run that is continued.
     pub known: Option<Tried>,
 }
 
-/// What is left to do for it.
+/// What the motion of a sequence on the coarse grid costs, and what it took.
+pub(super) struct Coarse {
+    pub cost: f64,
+    pub iterations: usize,
+    pub work: u64,
+    pub seconds: f64,
+    pub relative: Option<Arc<Relative>>,
+}
+
+/// What is next for it.
 pub(super) enum Work {
     /// The motion, from keyframes.
     Move(Vec<Vec<f64>>),
+    /// The same motion on the grid on which it must hold, from that on the coarse grid with so many intervals per phase.
+    Hold(Point, Vec<usize>),
     /// Nothing but to set up again a motion that is known, and whether it is feasible.
-    Restore(PointEntry, bool),
-    /// Nothing: it is known that there is none.
+    Restore {
+        point: PointEntry,
+        feasible: bool,
+        /// Work that it took.
+        work: u64,
+    },
+    /// Nothing: it is known what comes of it.
     Remembered(Box<Evaluated>),
 }
 
 impl Work {
-    /// After what the journal holds: a motion, or that there is none.
-    fn known(tried: &Tried) -> Self {
+    /// After what the journal holds: a motion, or that there is none; `coarse` of the work was for that on the coarse grid.
+    pub fn known(tried: &Tried, coarse: u64) -> Self {
         let feasible = tried.reached == name(Reached::Feasible);
+        let work = tried.work.saturating_sub(coarse);
         match tried.point.clone() {
-            Some(point) => Self::Restore(point, feasible),
-            None => Self::Remembered(Box::new(Evaluated::remembered(tried))),
+            Some(point) => Self::Restore {
+                point,
+                feasible,
+                work,
+            },
+            None => {
+                let known = Evaluated::remembered(tried);
+                Self::Remembered(Box::new(Evaluated { work, ..known }))
+            }
+        }
+    }
+
+    /// Work that the run that is continued has done, and that need not be done again.
+    fn spent(&self) -> u64 {
+        match self {
+            Self::Move(_) | Self::Hold(..) => 0,
+            Self::Restore { work, .. } => *work,
+            Self::Remembered(done) => done.work,
         }
     }
 }
 
 impl Run<'_> {
-    /// Has the most promising of the sequences that wait optimised; false if none waits.
-    ///
-    /// That is the one whose keyframes promise the lowest cost: postures at the edge of reach cost a lot, and make the
-    /// optimiser's work hard.
-    pub fn submit(&mut self) -> bool {
-        let promise = |n: usize| self.waiting[n].0.promise; // equal ones in the order in which they were drawn
-        let least = (0..self.waiting.len()).min_by(|&a, &b| promise(a).total_cmp(&promise(b)));
-        let Some((candidate, work)) = least.map(|n| self.waiting.remove(n)) else {
+    /// Has the next thing done, if there is one, for the most promising of the sequences that wait ([`Run::next`]).
+    pub fn submit(&mut self, has_choice: bool) -> bool {
+        let Some(next) = self.next(has_choice) else {
             return false;
         };
+        let (candidate, work) = self.waiting.remove(next);
+        if candidate.coarse.is_none() {
+            self.submitted += 1;
+            self.drawn_before = self.drawn;
+        }
+        self.begin(candidate, work);
+        true
+    }
+
+    /// Which of the sequences that wait is the most promising: the one whose motion on the coarse grid is likely to cost least, since
+    /// postures at the edge of reach cost a lot, and make the optimiser's work hard.
+    ///
+    /// If that has its motion, it is tried on a finer grid; but not before there are some to choose from, unless no other waits. A
+    /// motion is expected to cost as much more than its keyframes promise as half of the others did, and begun only if so many
+    /// sequences have been drawn that there is a choice.
+    fn next(&self, has_choice: bool) -> Option<usize> {
+        let growth = self.usual_growth();
+        let cost = |n: usize| {
+            let (candidate, _) = &self.waiting[n];
+            let known = candidate.coarse.as_ref().map(|coarse| coarse.cost);
+            known.unwrap_or(candidate.promise + growth)
+        };
+        // Equal ones in the order in which they came.
+        let least = |has_motion: bool| {
+            (0..self.waiting.len())
+                .filter(|&n| self.waiting[n].0.coarse.is_some() == has_motion)
+                .min_by(|&a, &b| cost(a).total_cmp(&cost(b)))
+        };
+        let begun = least(false).filter(|_| !self.is_full());
+        match (least(true), begun) {
+            (Some(hold), Some(begin))
+                if self.moved >= CHOICE && cost(hold) <= cost(begin) =>
+            {
+                Some(hold)
+            }
+            (_, Some(begin)) => Some(begin).filter(|_| has_choice),
+            (hold, None) => hold.filter(|_| has_choice),
+        }
+    }
+
+    /// True if as many motions have been begun as the search may optimise.
+    pub fn is_full(&self) -> bool {
+        self.submitted >= self.request.max_optimised
+    }
+
+    /// What motions on the coarse grid cost more than their keyframes promised: the median.
+    fn usual_growth(&self) -> f64 {
+        let mut grown = self.grown.clone();
+        grown.sort_by(f64::total_cmp);
+        grown.get(grown.len() / 2).copied().unwrap_or(0.0)
+    }
+
+    /// Has the next thing done for a sequence.
+    fn begin(&mut self, candidate: Candidate, work: Work) {
         let phases = self.phases(&candidate.sequence);
         let (number, labels) = (candidate.number, candidate.sequence.labels.clone());
-        self.under_way.begin(candidate, self.clock);
-        let job = match work {
+        let cost = candidate.coarse.as_ref().map(|coarse| coarse.cost);
+        self.under_way.begin(candidate, self.clock, work.spent());
+        let (phases, start) = match work {
             Work::Remembered(done) => {
                 self.under_way.done(number, *done);
-                None
+                return;
             }
             Work::Move(nodes) => {
                 let phases = self.shop.planner.paced(&phases, self.shop.settings, &nodes);
                 let relative = nearest(&self.relatives, &phases);
-                Some((phases, Start::Keyframes(nodes, relative)))
+                (phases, Start::Keyframes(nodes, relative))
             }
-            Work::Restore(point, feasible) => {
+            Work::Hold(point, steps) => {
+                let start = Start::Coarse(point, cost.unwrap_or(f64::INFINITY));
+                (with_steps(&phases, &steps), start)
+            }
+            Work::Restore {
+                point, feasible, ..
+            } => {
                 let phases = with_steps(&phases, &point.steps);
-                Some((phases, Start::Known(point, feasible)))
+                (phases, Start::Known(point, feasible))
             }
         };
-        if let Some((phases, start)) = job {
-            self.workers.submit(Job {
-                number,
-                clock: self.clock,
-                labels,
-                phases,
-                start,
-            });
-        }
-        self.submitted += 1;
-        self.drawn_before = self.drawn;
-        true
+        self.workers.submit(Job {
+            number,
+            clock: self.clock,
+            labels,
+            phases,
+            start,
+        });
     }
 
     /// True if so many sequences have been drawn since the last submission as are wanted for the next.
     pub fn has_choice(&self) -> bool {
         let draws = match self.submitted {
-            0 => FIRST_DRAWS,
             1..FIRST => 0,
-            _ => DRAWS,
+            _ => std::env::var("DRW").map_or(DRAWS, |s| s.parse().unwrap()),
         };
         self.drawn >= self.drawn_before + draws
     }
@@ -133,13 +218,18 @@ impl Run<'_> {
             number,
             labels: sequence.labels.clone(),
         });
-        let known = self.known(&sequence);
-        let (promise, work) = if let Some(tried) = &known {
+        let states = self.names(&sequence);
+        let journal = &mut self.checks.journal;
+        let (coarse, known) = (journal.take_coarse(&states), journal.take_sequence(&states));
+        let (promise, work) = if let Some(coarse) = coarse {
+            let work = Work::Remembered(Box::new(Evaluated::coarse(&coarse)));
+            (coarse.promise, work)
+        } else if let Some(tried) = &known {
             let Some(promise) = tried.promise else {
                 self.leave_out_again(number, &sequence, tried);
                 return true;
             };
-            (promise, Work::known(tried))
+            (promise, Work::known(tried, 0))
         } else {
             let Some((promise, nodes)) = self.keyframes(number, &sequence, clock) else {
                 return true;
@@ -150,16 +240,11 @@ impl Run<'_> {
             number,
             sequence,
             promise,
+            coarse: None,
             known,
         };
         self.waiting.push((candidate, work));
         true
-    }
-
-    /// What the run that is continued found out about a sequence.
-    fn known(&mut self, sequence: &Sequence) -> Option<Tried> {
-        let states = self.names(sequence);
-        self.checks.journal.take_sequence(&states)
     }
 
     /// The cost that keyframes promise, and these; `None` if the sequence is not worth an optimisation.

@@ -3,12 +3,12 @@
 use std::sync::atomic::Ordering;
 
 use super::diverse::{Kept, loaded};
-use super::proposals::Candidate;
+use super::proposals::{Candidate, Coarse, Work};
 use super::reward::Rewards;
 use super::workers::{Evaluated, Message, with_steps};
 use super::{Nearest, Run};
 use crate::api::{Alternative, Attempt, Event, Found, Outcome, Reached, Request};
-use crate::journal::{PointEntry, Tried};
+use crate::journal::{self, PointEntry, Tried};
 use crate::refine::{self, Refined};
 use ocp::Motion;
 use symbolic::Sequence;
@@ -62,14 +62,73 @@ impl Run<'_> {
         }
     }
 
+    /// Takes note of a motion on the coarse grid, which waits for its turn on a finer one.
+    fn take_coarse(&mut self, mut candidate: Candidate, done: Evaluated) {
+        let number = candidate.number;
+        self.tell(&Event::Coarse {
+            number,
+            cost: done.cost,
+        });
+        self.grown.push(done.cost - candidate.promise);
+        let Some(point) = done.point else { return };
+        if self.is_nearest(done.violation) {
+            self.nearest = Some(Nearest {
+                violation: done.violation,
+                point: point.clone(),
+                steps: done.steps.clone(),
+                sequence: candidate.sequence.clone(),
+            });
+        }
+        self.checks.journal.note_coarse(journal::Coarse {
+            number,
+            at: self.shop.begin.elapsed().as_secs_f64(),
+            states: self.names(&candidate.sequence),
+            promise: candidate.promise,
+            cost: done.cost,
+            violation: done.violation,
+            iterations: done.iterations,
+            work: done.work,
+            seconds: done.seconds,
+            point: PointEntry::new(&done.steps, &point),
+        });
+        candidate.coarse = Some(Coarse {
+            cost: done.cost,
+            iterations: done.iterations,
+            work: done.work,
+            seconds: done.seconds,
+            relative: done.relative,
+        });
+        let work = match &candidate.known {
+            Some(tried) => Work::known(tried, done.work),
+            None => Work::Hold(point, done.steps),
+        };
+        self.waiting.push((candidate, work));
+    }
+
     /// Takes note of an optimised motion.
-    pub fn take(&mut self, candidate: Candidate, done: Evaluated) {
+    pub fn take(&mut self, candidate: Candidate, mut done: Evaluated) {
+        if candidate.coarse.is_none() {
+            self.moved += 1;
+        }
+        if done.must_hold {
+            self.take_coarse(candidate, done);
+            return;
+        }
         let Candidate {
             number,
             sequence,
             promise,
+            coarse,
             known,
         } = candidate;
+        if let Some(tried) = &known {
+            (done.iterations, done.seconds) = (tried.iterations, tried.seconds);
+        } else if let Some(coarse) = coarse {
+            done.iterations += coarse.iterations;
+            done.work += coarse.work;
+            done.seconds += coarse.seconds;
+            done.relative = done.relative.or(coarse.relative);
+        }
         self.tell(&Event::Optimised {
             number,
             feasible: done.feasible,

@@ -26,12 +26,11 @@ impl UnderWay {
         self.0.is_empty()
     }
 
-    /// A sequence is submitted at this clock of the search.
-    pub fn begin(&mut self, candidate: Candidate, clock: u64) {
+    /// A sequence is submitted at this clock of the search, with work that need not be done again.
+    pub fn begin(&mut self, candidate: Candidate, clock: u64, work: u64) {
         let entry = Entry {
             begin: clock,
-            // What the run that is continued has done on it need not be done again.
-            work: candidate.known.as_ref().map_or(0, |known| known.work),
+            work,
             result: None,
             candidate,
         };
@@ -95,6 +94,7 @@ mod tests {
                 cost: 0.0,
             },
             promise: 0.0,
+            coarse: None,
             known: None,
         }
     }
@@ -102,6 +102,7 @@ mod tests {
     fn result(work: u64) -> Evaluated {
         Evaluated {
             feasible: false,
+            must_hold: false,
             cost: 0.0,
             violation: 1.0,
             iterations: 1,
@@ -119,8 +120,8 @@ mod tests {
     #[test]
     fn results_come_in_the_order_of_work_as_soon_as_none_can_come_before_them() {
         let mut under_way = UnderWay::default();
-        under_way.begin(candidate(1), 0);
-        under_way.begin(candidate(2), 10);
+        under_way.begin(candidate(1), 0, 0);
+        under_way.begin(candidate(2), 10, 0);
         under_way.done(2, result(20));
         assert!(under_way.next().is_none(), "the first may end before 30");
         under_way.worked(1, 30);

@@ -2,7 +2,7 @@
 
 use super::turns::Turns;
 use crate::api::Event;
-use crate::journal::{PointEntry, Tried};
+use crate::journal::{Coarse, PointEntry, Tried};
 use crate::refine::{hold, on_finer_grid};
 use crate::{export, summary};
 use ocp::{Motion, Phase, Planner, Point, Refinement, Relative, Settings};
@@ -28,6 +28,8 @@ pub(super) struct Job {
 pub(super) enum Start {
     /// Keyframes, or, if there is one, first the motion of a relative.
     Keyframes(Vec<Vec<f64>>, Option<Arc<Relative>>),
+    /// Its motion on the coarse grid, and what that costs.
+    Coarse(Point, f64),
     /// It is known, and whether it is feasible.
     Known(PointEntry, bool),
 }
@@ -35,6 +37,8 @@ pub(super) enum Start {
 /// What became of a job.
 pub(super) struct Evaluated {
     pub feasible: bool,
+    /// It is a motion on the coarse grid that must hold on a finer one to be a plan.
+    pub must_hold: bool,
     pub cost: f64,
     pub violation: f64,
     pub iterations: usize,
@@ -53,10 +57,30 @@ pub(super) struct Evaluated {
 }
 
 impl Evaluated {
-    /// What the journal says of a sequence without a motion; no point.
+    /// What the journal says of a motion on the coarse grid.
+    pub fn coarse(known: &Coarse) -> Self {
+        Self {
+            feasible: false,
+            must_hold: true,
+            cost: known.cost,
+            violation: known.violation,
+            iterations: known.iterations,
+            work: known.work,
+            seconds: known.seconds,
+            reason: None,
+            worst_phase: None,
+            steps: known.point.steps.clone(),
+            point: Some(known.point.clone().into()),
+            plan: None,
+            relative: None,
+        }
+    }
+
+    /// What it says of a sequence without a motion; no point.
     pub fn remembered(known: &Tried) -> Self {
         Self {
             feasible: false,
+            must_hold: false,
             cost: known.cost.unwrap_or(f64::INFINITY),
             violation: known.violation.unwrap_or(f64::INFINITY),
             iterations: known.iterations,
@@ -189,32 +213,42 @@ impl Shop<'_> {
             heard && !late && !self.stop.load(Ordering::SeqCst)
         };
         let (planner, settings, phases) = (self.planner, self.settings, &job.phases);
-        let mut motion = match job.start {
+        let mut done = match job.start {
             Start::Known(point, feasible) => {
                 let mut motion = self.restore(phases, point.into());
                 motion.feasible = feasible;
-                return self.report(&job.labels, &mut motion, None);
+                return self.report(&job.labels, &mut motion);
             }
             Start::Keyframes(nodes, relative) => {
                 let near =
                     relative.and_then(|r| planner.motion_from(phases, settings, &r, &mut watch));
-                near.unwrap_or_else(|| planner.motion(phases, settings, &nodes, &mut watch))
+                let mut motion =
+                    near.unwrap_or_else(|| planner.motion(phases, settings, &nodes, &mut watch));
+                let must_hold = self.holds.is_some() && motion.is_nearly_feasible();
+                let good = motion.feasible || must_hold;
+                let relative = good.then(|| Arc::new(motion.relative()));
+                motion.feasible &= !must_hold;
+                Evaluated {
+                    must_hold,
+                    relative,
+                    ..self.report(&job.labels, &mut motion)
+                }
+            }
+            Start::Coarse(point, cost) => {
+                let coarse = planner.restore(phases, settings, point);
+                let most = most_cost(cost);
+                let mut watch =
+                    |i: &Iteration| watch(i) && (i.number < PATIENCE || i.objective <= most);
+                let grid = self.holds.unwrap_or_default();
+                let mut motion = hold(planner, phases, settings, (&coarse, grid), &mut watch);
+                let done = self.report(&job.labels, &mut motion);
+                Evaluated {
+                    reason: done.reason.as_deref().map(on_finer_grid),
+                    ..done
+                }
             }
         };
-        let refinement = self.holds.filter(|_| motion.is_nearly_feasible());
-        let good = motion.feasible || refinement.is_some();
-        let relative = good.then(|| Arc::new(motion.relative()));
-        if let Some(refinement) = refinement {
-            let most = most_cost(motion.report.objective);
-            let mut watch =
-                |i: &Iteration| watch(i) && (i.number < PATIENCE || i.objective <= most);
-            motion = hold(planner, phases, settings, (&motion, refinement), &mut watch);
-        }
-        let mut done = self.report(&job.labels, &mut motion, relative);
         done.work = work;
-        if refinement.is_some() {
-            done.reason = done.reason.as_deref().map(on_finer_grid);
-        }
         done
     }
 
@@ -228,15 +262,11 @@ impl Shop<'_> {
         self.planner.restore(phases, &settings, point)
     }
 
-    fn report(
-        self,
-        labels: &[String],
-        motion: &mut Motion,
-        relative: Option<Arc<Relative>>,
-    ) -> Evaluated {
+    fn report(self, labels: &[String], motion: &mut Motion) -> Evaluated {
         let scene = self.planner.scene;
         Evaluated {
             feasible: motion.feasible,
+            must_hold: false,
             cost: motion.report.objective,
             violation: motion.report.violation,
             iterations: motion.iterations,
@@ -247,7 +277,7 @@ impl Shop<'_> {
             point: Some(motion.point.clone()),
             steps: motion.trajectory.program.steps.clone(),
             plan: motion.feasible.then(|| export::plan(scene, labels, motion)),
-            relative,
+            relative: None,
         }
     }
 }

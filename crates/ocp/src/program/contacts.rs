@@ -90,32 +90,45 @@ impl Builder<'_> {
                     self.slip_rows(t, contact, frame);
                     continue;
                 }
-                let slot_a = p.nodes[t].slot(frame);
-                let slot_b = p.nodes[t + 1].slot(frame);
-                let place = Arc::new(Place {
-                    yaw: contact.kind.is_patch(),
-                });
-                let element = &mut p.structure.elements[t];
-                let (first_row, block) = (element.n_rows(), element.blocks.len());
-                for _ in 0..place.n_rows() {
-                    element.row_lower.push(0.0);
-                    element.row_upper.push(0.0);
-                    self.labels[t].push(label("contact slip", Subject::Contact(contact), 1.0, "m"));
-                }
-                element.blocks.push(BlockStructure {
-                    first_row,
-                    n_rows: place.n_rows(),
-                    cols: vec![],
-                });
-                p.intervals[t].sticks.push(Stick {
-                    slot_a,
-                    slot_b,
-                    place,
-                    first_row,
-                    block,
-                });
+                self.place_rows(t, contact, frame, "contact slip", [0.0; 2]);
             }
         }
+    }
+
+    /// Between nodes t and t+1 the place of a contact moves by at most so much: along the surface [m], and about its normal [rad].
+    pub(super) fn place_rows(
+        &mut self,
+        t: usize,
+        contact: Contact,
+        frame: usize,
+        category: &'static str,
+        [along, turn]: [f64; 2],
+    ) {
+        let p = &mut self.program;
+        let slot_a = p.nodes[t].slot(frame);
+        let slot_b = p.nodes[t + 1].slot(frame);
+        let place = Arc::new(Place {
+            yaw: contact.kind.is_patch(),
+        });
+        let element = &mut p.structure.elements[t];
+        let (first_row, block) = (element.n_rows(), element.blocks.len());
+        for limit in [along, along, turn].into_iter().take(place.n_rows()) {
+            element.row_lower.push(-limit);
+            element.row_upper.push(limit);
+            self.labels[t].push(label(category, Subject::Contact(contact), 1.0, "m"));
+        }
+        element.blocks.push(BlockStructure {
+            first_row,
+            n_rows: place.n_rows(),
+            cols: vec![],
+        });
+        p.intervals[t].sticks.push(Stick {
+            slot_a,
+            slot_b,
+            place,
+            first_row,
+            block,
+        });
     }
 
     /// Tangential velocity and yaw rate at node t are zero.

@@ -14,7 +14,7 @@ use std::sync::Arc;
 use super::label::label;
 use super::{Builder, FINE_STEP, Grid, PARTS, Phase, Program, Subject};
 use crate::settings::Preset;
-use crate::terms::{PoseTerm, height::Beyond};
+use crate::terms::{PoseTerm, alignment::Tilted, height::Beyond};
 use nalgebra::Vector3;
 use scene::{Owner, Role};
 use symbolic::Contact;
@@ -38,6 +38,11 @@ const BESIDE: f64 = 0.4;
 const SHARE: f64 = 0.25;
 /// Lever of the angular velocity, l [m].
 const LEVER: f64 = 0.2;
+
+/// Turn about any axis [rad] and distance along the surface [m] by which a hand or object may differ from its contact one interval of
+/// a coarse grid away from it (benches/runs/2026-11-24-choices.md).
+const TURNED: f64 = 0.2;
+const BESIDE_PLACE: f64 = 0.05;
 
 /// Longest duration of a phase of so many intervals [s].
 fn duration(program: &Program, steps: usize) -> f64 {
@@ -161,6 +166,48 @@ impl Builder<'_> {
                     };
                     let category = label(term.name(), Subject::Contact(contact), 1.0, term.unit());
                     self.node_term(t, t, frame, Arc::new(term), category);
+                }
+            }
+            first = end;
+        }
+    }
+
+    /// Where configurations alone are unknowns: what is no foot is turned as in its contact, and beside its place, at the node next
+    /// to it, since an interval may be long enough to turn a hand around what it would collide with.
+    pub(super) fn hands_turned(&mut self, phases: &[Phase]) {
+        let p = &self.program;
+        let coarse = p.grid == Grid::Motion && !p.has_velocities();
+        if !coarse || p.settings.preset == Preset::Paper {
+            return;
+        }
+        let scene = self.scene;
+        let mut first = 0;
+        for (k, phase) in phases.iter().enumerate() {
+            let end = first + phase.steps;
+            // Node and interval; with explicit Euler what leaves is still at rest at its release, and only then moves.
+            let beside = [
+                (k.checked_sub(1), first + 2, first + 1),
+                (Some(k + 1).filter(|&k| k < phases.len()), end - 1, end - 1),
+            ];
+            for (neighbour, node, interval) in beside {
+                let Some(neighbour) = neighbour.filter(|_| phase.steps > 5) else {
+                    continue;
+                };
+                let apart = phases[neighbour].state.contacts.iter();
+                let foot = |c: &Contact| scene.interfaces[c.a.0].role == Role::Foot;
+                for &contact in apart.filter(|c| !foot(c) && !phase.state.contains(c)) {
+                    let nodes = &self.program.nodes[interval..=interval + 1];
+                    if nodes.iter().any(|n| n.var.is_none()) {
+                        continue;
+                    }
+                    let frame = self.contact_frame(contact);
+                    if contact.kind.is_patch() {
+                        let term = Tilted(TURNED);
+                        let category = label(term.name(), Subject::Contact(contact), 1.0, "rad");
+                        self.node_term(node, node, frame, Arc::new(term), category);
+                    }
+                    let limits = [BESIDE_PLACE, TURNED];
+                    self.place_rows(interval, contact, frame, "contact approach", limits);
                 }
             }
             first = end;

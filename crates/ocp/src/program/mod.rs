@@ -200,6 +200,7 @@ impl Program {
         }
         builder.landings(phases);
         builder.soles_outside(phases);
+        builder.hands_turned(phases);
         builder.approaches(phases);
         builder.carried(phases);
         builder.balanced(phases);

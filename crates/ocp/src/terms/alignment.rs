@@ -64,3 +64,32 @@ impl PoseTerm for Alignment {
             + z * z.transpose() * (2.0 * value / (d * d))
     }
 }
+
+/// The same rows within bounds: a patch that touches next, or has just let go, is tilted by at most this [rad].
+#[derive(Debug)]
+pub struct Tilted(pub f64);
+
+impl PoseTerm for Tilted {
+    fn name(&self) -> &'static str {
+        "contact approach"
+    }
+    fn unit(&self) -> &'static str {
+        "rad"
+    }
+    fn bounds(&self) -> Vec<(f64, f64)> {
+        vec![
+            (-self.0, self.0),
+            (-self.0, self.0),
+            (BRANCH, f64::INFINITY),
+        ]
+    }
+    fn values(&self, b_from_a: &Pose, out: &mut [f64]) {
+        Alignment.values(b_from_a, out);
+    }
+    fn gradients(&self, b_from_a: &Pose, out: &mut [Vector6<f64>]) {
+        Alignment.gradients(b_from_a, out);
+    }
+    fn hessian(&self, b_from_a: &Pose, weights: &[f64]) -> Matrix6<f64> {
+        Alignment.hessian(b_from_a, weights)
+    }
+}

@@ -3,7 +3,7 @@
 use super::distance::{Distance, Obstacle, Part};
 use super::{
     ForceTerm, PoseTerm,
-    alignment::Alignment,
+    alignment::{Alignment, Tilted},
     approach::Approach,
     bounds::Bounds,
     friction::Friction,
@@ -46,6 +46,7 @@ pub fn pose_terms() -> Vec<Box<dyn PoseTerm>> {
             points: vec![Vector3::new(0.1, -0.05, 0.0), Vector3::zeros()],
         }),
         Box::new(Alignment),
+        Box::new(Tilted(0.2)),
         Box::new(Place { yaw: true }),
         Box::new(Place { yaw: false }),
         Box::new(Bounds {
