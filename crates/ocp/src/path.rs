@@ -1,19 +1,37 @@
 //! A path between keyframes: configurations that keep clear of everything and approach contacts along their normals, no
 //! dynamics. It decides on which side of an obstacle a hand passes, which a motion cannot change any more.
 
-use crate::collision::Crossings;
+use crate::collision::{Clearances, Crossings, Watched};
 use crate::guess;
 use crate::keyframes::KEYFRAME_TOLERANCE;
 use crate::motion::{NEW_TOLERANCE, Planner, near, violation_of};
+use crate::point::Point;
 use crate::problem::Trajectory;
-use crate::program::{Grid, Phase};
+use crate::program::{Grid, Phase, Program};
+use crate::resistance::violations;
 use crate::settings::Settings;
-use solver::{InteriorPoint, Options, Problem};
+use solver::{InteriorPoint, Options, Problem, Report};
+use std::collections::BTreeSet;
 
 /// Configurations per phase.
 const STEPS: usize = 4;
+/// Violation from which a path is blocked (m, rad).
+const BLOCKED: f64 = 2e-3;
+/// Share of that violation that a path over obstacles may have left to be the better one.
+const BETTER: f64 = 0.5;
+/// Height to which objects are lifted where it is [m].
+const HIGH: f64 = 0.3;
 /// Rounds of solving with more collision pairs.
 const REPAIRS: usize = 3;
+
+/// A path.
+struct Path {
+    nodes: Vec<Vec<f64>>,
+    /// What is left of its rows' violation.
+    violation: f64,
+    /// Phases in which something is in the way.
+    blocked: BTreeSet<usize>,
+}
 
 impl Planner<'_> {
     /// Configurations for all nodes of a motion, through a path around obstacles, or through the least violated one if none
@@ -32,42 +50,96 @@ impl Planner<'_> {
             })
             .collect();
         let nodes = guess::straight(&self.system, keyframes, STEPS);
-        let path = self.path(&coarse, settings, nodes);
+        let path = self.clear_path(&coarse, settings, nodes);
         let steps: Vec<usize> = phases.iter().map(|p| p.steps).collect();
-        guess::interpolate(&self.system, &steps, &path, STEPS)
+        guess::interpolate(&self.system, &steps, &path.nodes, STEPS)
     }
 
-    /// A path from straight lines between keyframes.
-    fn path(&self, coarse: &[Phase], settings: &Settings, nodes: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
-        let none = Crossings::new();
-        let mut program = self.program(coarse, settings, Grid::Path, near(&nodes, &none));
-        let mut point = guess::point(&program, self.scene, nodes);
-        let options = Options {
-            max_iterations: 60,
-            stall_iterations: 25, // cheap, and a worse path is expensive
-            feasibility_tolerance: 1e-4,
-            dual_tolerance: 1e-1,
-            complementarity_tolerance: 1e-1,
-            min_barrier: 1e-5,
-            ..Options::default()
-        };
-        for _ in 0..=REPAIRS {
-            let mut trajectory = Trajectory::new(program);
-            let structure = trajectory.structure().clone();
-            let report = InteriorPoint::new(&structure).solve(
-                &mut trajectory,
-                &mut point,
-                &options,
-                None,
-                &mut |_| true,
-            );
-            program = self.program(coarse, settings, Grid::Path, near(&point.nodes, &none));
-            if report.violation > KEYFRAME_TOLERANCE
-                || violation_of(&program, &point) <= NEW_TOLERANCE
-            {
-                break;
+    /// A path from straight lines between keyframes; where it is blocked, from one that lifts objects high, if that leads to a better
+    /// one. What is carried straight through something else is not led around it by clearances.
+    fn clear_path(&self, coarse: &[Phase], settings: &Settings, nodes: Vec<Vec<f64>>) -> Path {
+        let straight = self.path(coarse, settings, nodes.clone());
+        if straight.violation <= BLOCKED {
+            return straight;
+        }
+        let mut over = self.over(coarse, settings, nodes);
+        for (k, nodes) in over.chunks_mut(STEPS).enumerate() {
+            // Between the boundaries of phases in which nothing is in the way.
+            if !straight.blocked.contains(&k) {
+                let known = &straight.nodes[STEPS * k..];
+                nodes.clone_from_slice(&known[..nodes.len()]);
             }
         }
-        point.nodes
+        let over = self.path(coarse, settings, over);
+        if over.violation < BETTER * straight.violation {
+            over
+        } else {
+            straight
+        }
     }
+
+    /// Configurations that lift objects high, whatever is in the way but for other objects where they are put down.
+    fn over(&self, coarse: &[Phase], settings: &Settings, nodes: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+        let settings = Settings {
+            lift: HIGH,
+            ..settings.clone()
+        };
+        let mut at_ends = Watched::new();
+        let (scene, system) = (self.scene, &self.system);
+        self.collisions
+            .watch_objects(scene, system, coarse, &mut at_ends);
+        let at_ends = at_ends.iter().map(|&(k, row)| (STEPS * k, row)).collect();
+        let clearances = Clearances::Watched(&at_ends);
+        let program = self.program(coarse, &settings, Grid::Path, clearances);
+        let point = guess::point(&program, self.scene, nodes);
+        solve(program, point).0.nodes
+    }
+
+    /// A path from a guess.
+    fn path(&self, coarse: &[Phase], settings: &Settings, nodes: Vec<Vec<f64>>) -> Path {
+        let none = Crossings::new();
+        let near_to =
+            |nodes: &[Vec<f64>]| self.program(coarse, settings, Grid::Path, near(nodes, &none));
+        let mut program = near_to(&nodes);
+        let mut point = guess::point(&program, self.scene, nodes);
+        for round in 0.. {
+            let (report, solved);
+            (point, solved, report) = solve(program, point);
+            let violation = report.violation;
+            program = near_to(&point.nodes);
+            let new = violation_of(&program, &point);
+            if violation > KEYFRAME_TOLERANCE || new <= NEW_TOLERANCE || round == REPAIRS {
+                let violated = violations(&solved, &report, BLOCKED);
+                return Path {
+                    nodes: point.nodes,
+                    violation: violation.max(new),
+                    blocked: violated.iter().map(|w| w.phase).collect(),
+                };
+            }
+        }
+        unreachable!("the loop returns in its last round")
+    }
+}
+
+/// Solves the problem of a path.
+fn solve(program: Program, mut point: Point) -> (Point, Program, Report) {
+    let options = Options {
+        max_iterations: 60,
+        stall_iterations: 25, // cheap, and a worse path is expensive
+        feasibility_tolerance: 1e-4,
+        dual_tolerance: 1e-1,
+        complementarity_tolerance: 1e-1,
+        min_barrier: 1e-5,
+        ..Options::default()
+    };
+    let mut trajectory = Trajectory::new(program);
+    let structure = trajectory.structure().clone();
+    let report = InteriorPoint::new(&structure).solve(
+        &mut trajectory,
+        &mut point,
+        &options,
+        None,
+        &mut |_| true,
+    );
+    (point, trajectory.program, report)
 }

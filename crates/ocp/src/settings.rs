@@ -223,6 +223,8 @@ pub struct Settings {
     /// Are collisions between the nodes of a motion repaired; not on a coarse grid that a finer one follows, whose nodes lie
     /// there.
     pub between: bool,
+    /// Height to which the path between keyframes lifts objects from what they leave or come to [m].
+    pub lift: f64,
     /// How near to a solution a motion ends.
     pub ending: Ending,
     /// Iteration limit of one solve.
@@ -239,6 +241,8 @@ pub(crate) const NEARLY_SOLVED: f64 = 3e-3;
 /// Longest interval of a coarse motion of the preset `default` [s]: what explicit Euler does with longer ones is no motion of a
 /// robot. Refinement lets phases grow that this keeps short.
 const LONGEST_STEP: f64 = 0.15;
+/// Height to which paths lift objects [m].
+const LIFT: f64 = 0.05;
 /// Barrier parameter of the preset `default`.
 const BARRIER: f64 = 3e-4;
 /// Barrier parameter of the preset `paper`: costs up to 0.1 % above the optimum, for a quarter fewer iterations
@@ -266,6 +270,7 @@ impl Settings {
                 Margins::none()
             },
             between: preset == Preset::Default,
+            lift: LIFT,
             ending: Ending::Exact,
             max_iterations: options.max_iterations,
             barrier: if preset == Preset::Default {

@@ -285,7 +285,7 @@ impl Run<'_> {
             if let Some(reason) = self.is_over() {
                 return reason;
             }
-            let has_room = self.under_way.len() < std::env::var("INF").map_or(IN_FLIGHT, |s| s.parse().unwrap()).min(std::env::var("FST").map_or(FIRST, |s| s.parse().unwrap()) + self.moved / 2);
+            let has_room = self.under_way.len() < IN_FLIGHT.min(FIRST + self.moved / 2);
             if self.is_full() {
                 ended.get_or_insert_with(|| self.full());
             }
@@ -341,12 +341,6 @@ impl Run<'_> {
     /// True if the time is over.
     fn is_late(&self) -> bool {
         self.is_after(self.request.time_limit)
-    }
-
-    /// Number of sequences whose motion has been optimised.
-    fn optimised(&self) -> usize {
-        let optimised = |a: &&Attempt| matches!(a.reached, Reached::Feasible | Reached::Optimised);
-        self.attempts.iter().filter(optimised).count()
     }
 
     /// When the search ends, in seconds from its begin: in time to refine the best plan, if there is one.

@@ -138,9 +138,7 @@ impl Run<'_> {
         };
         let begun = least(false).filter(|_| !self.is_full());
         match (least(true), begun) {
-            (Some(hold), Some(begin))
-                if self.moved >= CHOICE && cost(hold) <= cost(begin) =>
-            {
+            (Some(hold), Some(begin)) if self.moved >= CHOICE && cost(hold) <= cost(begin) => {
                 Some(hold)
             }
             (_, Some(begin)) => Some(begin).filter(|_| has_choice),
@@ -200,7 +198,7 @@ impl Run<'_> {
     pub fn has_choice(&self) -> bool {
         let draws = match self.submitted {
             1..FIRST => 0,
-            _ => std::env::var("DRW").map_or(DRAWS, |s| s.parse().unwrap()),
+            _ => DRAWS,
         };
         self.drawn >= self.drawn_before + draws
     }

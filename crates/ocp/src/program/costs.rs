@@ -236,7 +236,13 @@ impl Builder<'_> {
                 let Some(neighbour) = neighbour else { continue };
                 let apart = phases[neighbour].state.contacts.iter();
                 for &contact in apart.filter(|c| !phase.state.contains(c)) {
-                    let hand = self.scene.interfaces[contact.a.0].role == Role::Hand;
+                    let role = self.scene.interfaces[contact.a.0].role;
+                    let hand = role == Role::Hand;
+                    let distance = match role {
+                        Role::Hand => HAND_APPROACH,
+                        Role::Foot => LIFT,
+                        _ => self.program.settings.lift,
+                    };
                     let frame = self.contact_frame(contact);
                     for t in first + 1..end {
                         if hand && t != next_to_it {
@@ -246,7 +252,7 @@ impl Builder<'_> {
                         self.program.nodes[t].costs.push(NodeCost {
                             slot,
                             term: Arc::new(Approach {
-                                distance: if hand { HAND_APPROACH } else { LIFT },
+                                distance,
                                 centred: hand,
                             }),
                             weights: vec![APPROACH],
