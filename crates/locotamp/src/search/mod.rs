@@ -20,7 +20,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Instant;
 
-use crate::api::{Attempt, Error, Event, Found, Outcome, Reached, Request, Search};
+use crate::api::{Attempt, Error, Event, Found, Outcome, Request, Search};
 use crate::checks::Checks;
 use crate::domain;
 use crate::journal::{Header, Journal, States};

@@ -19,7 +19,7 @@ const DIFFERENT_AT_END: usize = 2;
 /// Sequences drawn for each that is optimised.
 const DRAWS: usize = 4;
 /// Sequences tried on the coarse grid before the first is tried on a finer one, which takes three times as long.
-const CHOICE: usize = 3;
+const CHOICE: usize = 2;
 /// Work that a draw counts as ([`super::turns`]): about what is done in the same time on one motion.
 const DRAWING: u64 = 2000;
 /// What a phase adds to the cost that keyframes promise: its time, at about half a second.
@@ -205,6 +205,8 @@ impl Run<'_> {
 
     /// Draws the next sequence and checks it by keyframes, to wait for its turn if it passes; false if there is none.
     pub fn draw(&mut self) -> bool {
+        let turns = self.workers.turns.clone();
+        let _turn = turns.enter(0, self.clock);
         self.drawn += 1;
         self.clock += DRAWING;
         let number = self.drawn;

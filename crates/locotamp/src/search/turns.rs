@@ -2,7 +2,7 @@
 //!
 //! The clock of a motion is that of the search at its submission, plus the work done on it: elements of its problem, summed over
 //! iterations. It is the same on every machine, and results are taken in its order ([`super::Run::take_next`]); the least advanced
-//! motion is the one that everything else waits for.
+//! motion is the one that everything else waits for. Drawing sequences takes a place too.
 
 use std::collections::BTreeMap;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};

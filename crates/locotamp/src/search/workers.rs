@@ -109,6 +109,8 @@ pub(super) enum Message {
 pub(super) struct Workers {
     jobs: Sender<Job>,
     pub messages: Receiver<Message>,
+    /// Who works when.
+    pub turns: Arc<Turns>,
 }
 
 /// Phases with other numbers of intervals.
@@ -160,7 +162,11 @@ impl Workers {
                 }
             });
         }
-        Self { jobs, messages }
+        Self {
+            jobs,
+            messages,
+            turns,
+        }
     }
 
     pub fn submit(&self, job: Job) {
