@@ -9,6 +9,7 @@ pub(crate) struct Counts {
     pub tried: usize,
     impossible: usize,
     alike: usize,
+    coarse: usize,
     optimised: usize,
 }
 
@@ -19,6 +20,7 @@ impl Counts {
         *match reached {
             Reached::Keyframes => &mut self.impossible,
             Reached::Alike => &mut self.alike,
+            Reached::Coarse => &mut self.coarse,
             Reached::Optimised | Reached::Feasible => &mut self.optimised,
         } += 1;
     }
@@ -39,6 +41,7 @@ impl fmt::Display for Counts {
         let parts = [
             (self.impossible, "without keyframes"),
             (self.alike, "left out"),
+            (self.coarse, "with a coarse motion only"),
             (self.optimised, "optimised"),
         ];
         let parts: Vec<String> = parts

@@ -25,7 +25,7 @@ pub(crate) fn most_frequent(attempts: &[Attempt], impossible: &[Impossible]) -> 
             Reached::Keyframes => "no keyframes",
             Reached::Alike => "left out",
             Reached::Optimised => "no motion",
-            Reached::Feasible => continue,
+            Reached::Coarse | Reached::Feasible => continue,
         };
         let example = attempt.reason.as_deref().unwrap_or("no reason known");
         let what = match attempt.reached {

@@ -73,6 +73,7 @@ fn attempt(attempt: &Attempt) -> Value {
     let reached = match attempt.reached {
         Reached::Keyframes => "keyframes",
         Reached::Alike => "alike",
+        Reached::Coarse => "coarse",
         Reached::Optimised => "optimised",
         Reached::Feasible => "feasible",
     };

@@ -208,6 +208,8 @@ pub enum Reached {
     Keyframes,
     /// It was left out, since others failed again and again at the same contacts.
     Alike,
+    /// It has a motion on the coarse grid, and the search ended before its turn on the grid on which it must hold.
+    Coarse,
     /// It was optimised without success.
     Optimised,
     /// It is a feasible plan.

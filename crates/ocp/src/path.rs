@@ -143,3 +143,28 @@ fn solve(program: Program, mut point: Point) -> (Point, Program, Report) {
     );
     (point, trajectory.program, report)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::collision::samples::Sequence;
+    use crate::settings::Preset;
+
+    #[test]
+    fn a_box_goes_over_another_that_stands_between_it_and_its_place() {
+        let Sequence { scene, phases } = Sequence::with_steps("tasks/beyond.toml", STEPS);
+        let planner = Planner::new(&scene).unwrap();
+        let settings = Settings::new(Preset::Default, &scene.optimiser);
+        let keyframes = planner.keyframes(&phases, &settings);
+        assert!(keyframes.possible);
+        let straight = guess::straight(&planner.system, &keyframes.nodes, STEPS);
+        let through = planner.path(&phases, &settings, straight.clone());
+        assert!(through.violation > BLOCKED && !through.blocked.is_empty());
+        let path = planner.clear_path(&phases, &settings, straight);
+        assert!(path.violation <= BLOCKED, "{:.1e}", path.violation);
+        let z = planner.system.object_q(0) + 2;
+        let highest = path.nodes.iter().map(|q| q[z]).fold(0.0, f64::max);
+        // The red box is 15 cm high, the green one 20 cm.
+        assert!(highest > keyframes.nodes[0][z] + 0.15, "{highest:.3} m");
+    }
+}

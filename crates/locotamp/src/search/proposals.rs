@@ -79,16 +79,14 @@ impl Work {
     pub fn known(tried: &Tried, coarse: u64) -> Self {
         let feasible = tried.reached == name(Reached::Feasible);
         let work = tried.work.saturating_sub(coarse);
-        match tried.point.clone() {
-            Some(point) => Self::Restore {
-                point,
-                feasible,
-                work,
-            },
-            None => {
-                let known = Evaluated::remembered(tried);
-                Self::Remembered(Box::new(Evaluated { work, ..known }))
-            }
+        let Some(point) = tried.point.clone() else {
+            let known = Evaluated::remembered(tried);
+            return Self::Remembered(Box::new(Evaluated { work, ..known }));
+        };
+        Self::Restore {
+            point,
+            feasible,
+            work,
         }
     }
 

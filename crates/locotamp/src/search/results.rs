@@ -1,5 +1,6 @@
 //! What becomes of optimised motions: taken in the order of the work done on them, told to policy and journal, kept if good.
 
+use std::mem;
 use std::sync::atomic::Ordering;
 
 use super::diverse::{Kept, loaded};
@@ -266,6 +267,7 @@ impl Run<'_> {
         let wanted = !self.is_stopped();
         self.take_plans();
         self.shop.stop.store(true, Ordering::SeqCst);
+        self.count_coarse();
         let mut refined = self.refined.take();
         if refined.is_none() {
             let latest = self.refine_best(wanted);
@@ -312,6 +314,24 @@ impl Run<'_> {
         }
     }
 
+    /// Counts the sequences whose motions on the coarse grid had no turn on the finer one.
+    fn count_coarse(&mut self) {
+        for (candidate, _) in mem::take(&mut self.waiting) {
+            let Some(coarse) = candidate.coarse else {
+                continue;
+            };
+            self.count(Attempt {
+                number: candidate.number,
+                labels: candidate.sequence.labels,
+                reached: Reached::Coarse,
+                reason: None,
+                cost: Some(coarse.cost),
+                iterations: coarse.iterations,
+                seconds: coarse.seconds,
+            });
+        }
+    }
+
     /// The cheapest plan whose motion can be refined; if none can, or it is not `wanted`, the cheapest as it is.
     pub fn refine_best(&mut self, wanted: bool) -> Option<Found> {
         let (planner, settings) = (self.shop.planner, self.shop.settings);
@@ -354,6 +374,7 @@ pub(super) fn name(reached: Reached) -> &'static str {
     match reached {
         Reached::Keyframes => "keyframes",
         Reached::Alike => "alike",
+        Reached::Coarse => "coarse",
         Reached::Optimised => "optimised",
         Reached::Feasible => "feasible",
     }

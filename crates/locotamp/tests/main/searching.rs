@@ -159,6 +159,41 @@ fn a_search_that_was_cut_off_goes_on_from_its_journal_and_comes_to_the_same() {
 }
 
 #[test]
+fn motions_that_must_hold_on_a_finer_grid_are_the_same_for_all_threads_and_from_a_journal() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("journal.jsonl");
+    let with = |threads, journal: Option<&Path>, resume| {
+        plan(&Request {
+            threads,
+            resume,
+            max_optimised: 5,
+            refinement: Request::default().refinement,
+            ..request(journal)
+        })
+    };
+    let whole = with(1, Some(&path), false);
+    assert!(whole.feasible);
+    let text = std::fs::read_to_string(&path).expect("a journal");
+    let lines: Vec<&str> = text.lines().collect();
+    let is_coarse = |line: &&str| line.contains("\"kind\":\"coarse\"");
+    let first = lines.iter().position(is_coarse).expect("a coarse motion");
+    assert_eq!(
+        results(&with(4, None, false).attempts),
+        results(&whole.attempts)
+    );
+
+    // As if killed when one motion was known on the coarse grid alone.
+    std::fs::write(&path, lines[..=first].join("\n") + "\n").expect("written");
+    let resumed = with(2, Some(&path), true);
+    assert_eq!(results(&resumed.attempts), results(&whole.attempts));
+    let after = std::fs::read_to_string(&path).expect("a journal");
+    let known = after.lines().filter(|line| line == &lines[first]).count();
+    assert_eq!(known, 1, "it is not optimised again");
+    let coarse = |text: &str| text.lines().filter(is_coarse).count();
+    assert_eq!(coarse(&after), coarse(&text));
+}
+
+#[test]
 fn the_journal_of_another_seed_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("journal.jsonl");

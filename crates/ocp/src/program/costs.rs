@@ -241,7 +241,7 @@ impl Builder<'_> {
                     let distance = match role {
                         Role::Hand => HAND_APPROACH,
                         Role::Foot => LIFT,
-                        _ => self.program.settings.lift,
+                        Role::Surface => self.program.settings.lift,
                     };
                     let frame = self.contact_frame(contact);
                     for t in first + 1..end {

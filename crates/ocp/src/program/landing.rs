@@ -172,12 +172,13 @@ impl Builder<'_> {
         }
     }
 
-    /// Where configurations alone are unknowns: what is no foot is turned as in its contact, and beside its place, at the node next
-    /// to it, since an interval may be long enough to turn a hand around what it would collide with.
+    /// On a coarse grid that a finer one follows, where collisions between nodes are nobody's business: what is no foot is turned as
+    /// in its contact, and beside its place, at the node next to it, since an interval may be long enough to turn a hand around what
+    /// it would collide with.
     pub(super) fn hands_turned(&mut self, phases: &[Phase]) {
         let p = &self.program;
         let coarse = p.grid == Grid::Motion && !p.has_velocities();
-        if !coarse || p.settings.preset == Preset::Paper {
+        if !coarse || p.settings.between || p.settings.preset == Preset::Paper {
             return;
         }
         let scene = self.scene;
