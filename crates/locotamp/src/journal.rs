@@ -333,12 +333,14 @@ impl Journal {
     }
 
     /// The same of its motion on the coarse grid.
-    pub fn take_coarse(&mut self, states: &States) -> Option<Coarse> {
-        self.coarse.remove(states)
+    pub fn coarse(&self, states: &States) -> Option<&Coarse> {
+        self.coarse.get(states)
     }
 
     pub fn note_coarse(&mut self, coarse: Coarse) {
-        self.write(&Line::Coarse(Box::new(coarse)));
+        if !self.coarse.contains_key(&coarse.states) {
+            self.write(&Line::Coarse(Box::new(coarse)));
+        }
     }
 
     pub fn note_sequence(&mut self, tried: Tried) {

@@ -218,9 +218,9 @@ impl Run<'_> {
         });
         let states = self.names(&sequence);
         let journal = &mut self.checks.journal;
-        let (coarse, known) = (journal.take_coarse(&states), journal.take_sequence(&states));
-        let (promise, work) = if let Some(coarse) = coarse {
-            let work = Work::Remembered(Box::new(Evaluated::coarse(&coarse)));
+        let known = journal.take_sequence(&states);
+        let (promise, work) = if let Some(coarse) = journal.coarse(&states) {
+            let work = Work::Remembered(Box::new(Evaluated::coarse(coarse)));
             (coarse.promise, work)
         } else if let Some(tried) = &known {
             let Some(promise) = tried.promise else {

@@ -51,11 +51,11 @@ fn the_observer_is_told_of_every_sequence_that_counts_as_tried() {
 #[test]
 fn a_plan_that_waits_for_its_turn_is_not_lost_when_the_search_is_stopped() {
     let scene = Scene::builtin("side-step").expect("a built-in scene");
-    // The eight sequences to choose the first from are drawn; the ninth while that is optimised.
+    // The four sequences to choose the first from are drawn; the fifth while that is optimised.
     let stopped_after = |seconds| {
         let mut taken = 0;
         let mut observe = |event: &Event| match event {
-            Event::Sequence { number: 9.., .. } => {
+            Event::Sequence { number: 5.., .. } => {
                 std::thread::sleep(Duration::from_secs(seconds));
                 false
             }
@@ -65,8 +65,12 @@ fn a_plan_that_waits_for_its_turn_is_not_lost_when_the_search_is_stopped() {
             }
             _ => true,
         };
+        let two_threads = Request {
+            threads: 2, // the one that draws sleeps
+            ..request(None)
+        };
         let outcome =
-            locotamp::plan(&scene, &request(None), &mut observe).expect("a planning problem");
+            locotamp::plan(&scene, &two_threads, &mut observe).expect("a planning problem");
         // Two are under way from the beginning; on a slow machine both may have ended.
         assert!(
             taken <= 2,
