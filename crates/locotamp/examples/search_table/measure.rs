@@ -87,7 +87,8 @@ struct Watch<'a> {
     processor: f64,
     drawn: usize,
     begun: BTreeSet<usize>,
-    optimised: usize,
+    /// Sequences with a result, be it one on the coarse grid alone.
+    optimised: BTreeSet<usize>,
     seen: usize,
     refinement_iterations: usize,
     /// When the refinement began.
@@ -104,7 +105,7 @@ impl<'a> Watch<'a> {
             processor: processor_seconds(),
             drawn: 0,
             begun: BTreeSet::new(),
-            optimised: 0,
+            optimised: BTreeSet::new(),
             seen: 0,
             refinement_iterations: 0,
             search: None,
@@ -118,7 +119,7 @@ impl<'a> Watch<'a> {
             processor_seconds: processor_seconds() - self.processor,
             drawn: self.drawn,
             begun: self.begun.len(),
-            optimised: self.optimised,
+            optimised: self.optimised.len(),
             iterations: 0, // told when the run is over
             seen: self.seen,
         }
@@ -133,7 +134,9 @@ impl<'a> Watch<'a> {
                 self.begun.insert(*number);
                 self.seen += 1;
             }
-            Event::Optimised { .. } => self.optimised += 1,
+            Event::Coarse { number, .. } | Event::Optimised { number, .. } => {
+                self.optimised.insert(*number);
+            }
             Event::Solution { number, plan, .. } => {
                 self.plans.push((*number, self.now(), plan.clone()));
                 let climbed = feet(self.scene, plan).is_some_and(Feet::climbed);
@@ -144,7 +147,6 @@ impl<'a> Watch<'a> {
                 self.search.get_or_insert(now);
             }
             Event::Started { .. }
-            | Event::Coarse { .. }
             | Event::Keyframes { .. }
             | Event::Explaining { .. }
             | Event::Tried { .. } => {}
