@@ -17,6 +17,8 @@ use std::collections::BTreeSet;
 const STEPS: usize = 4;
 /// Violation from which a path is blocked (m, rad).
 const BLOCKED: f64 = 2e-3;
+/// Share of a path's violation from which a phase is blocked: an end that is not converged leaves a little everywhere.
+const SERIOUS: f64 = 0.25;
 /// Share of that violation that a path over obstacles may have left to be the better one.
 const BETTER: f64 = 0.5;
 /// Height to which objects are lifted where it is [m].
@@ -109,7 +111,8 @@ impl Planner<'_> {
             program = near_to(&point.nodes);
             let new = violation_of(&program, &point);
             if violation > KEYFRAME_TOLERANCE || new <= NEW_TOLERANCE || round == REPAIRS {
-                let violated = violations(&solved, &report, BLOCKED);
+                let least = BLOCKED.max(SERIOUS * violation);
+                let violated = violations(&solved, &report, least);
                 return Path {
                     nodes: point.nodes,
                     violation: violation.max(new),

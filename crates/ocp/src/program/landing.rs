@@ -40,7 +40,7 @@ const SHARE: f64 = 0.25;
 const LEVER: f64 = 0.2;
 
 /// Turn about any axis [rad] and distance along the surface [m] by which a hand or object may differ from its contact one interval of
-/// a coarse grid away from it (benches/runs/2026-11-24-choices.md).
+/// a coarse grid away from it (benches/runs/2026-11-25-choices.md).
 const TURNED: f64 = 0.2;
 const BESIDE_PLACE: f64 = 0.05;
 
