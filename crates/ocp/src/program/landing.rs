@@ -233,3 +233,45 @@ impl Builder<'_> {
         robot && (a.role == Role::Foot || matches!(b.owner, Owner::Static(_)))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::collision::samples::Sequence;
+    use crate::collision::{Clearances, Watched};
+    use crate::motion::Planner;
+    use crate::settings::Settings;
+
+    #[test]
+    fn a_hand_is_turned_as_in_its_grasp_one_interval_before_it_where_a_finer_grid_follows() {
+        let Sequence { scene, phases } = Sequence::with_steps("boxes/pick_place.toml", 8);
+        let planner = Planner::new(&scene).unwrap();
+        let nothing = Watched::new();
+        let elements_of_hands = |between| {
+            let settings = Settings {
+                between,
+                ..Settings::new(Preset::Default, &scene.optimiser)
+            };
+            let clearances = Clearances::Watched(&nothing);
+            let program = planner.program(&phases, &settings, Grid::Motion, clearances);
+            let of_hand = |label: &super::super::RowLabel| match label.subject {
+                Subject::Contact(c) => scene.interfaces[c.a.0].role == Role::Hand,
+                _ => false,
+            };
+            let mut labels = program.labels.iter();
+            let elements = program.structure.elements.iter().enumerate();
+            elements
+                .filter_map(|(t, element)| {
+                    let mut own = labels.by_ref().take(element.n_rows()).collect::<Vec<_>>();
+                    own.retain(|l| l.category == "contact approach" && of_hand(l));
+                    (!own.is_empty()).then_some(t)
+                })
+                .collect::<Vec<usize>>()
+        };
+        assert!(elements_of_hands(true).is_empty());
+        let hand = |c: &Contact| scene.interfaces[c.a.0].role == Role::Hand;
+        let holds = |phase: &Phase| phase.state.iter().any(|c| hand(&c));
+        let grasp = phases.iter().position(holds).expect("a grasp");
+        assert!(elements_of_hands(false).contains(&(8 * grasp - 1)));
+    }
+}
