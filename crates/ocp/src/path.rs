@@ -61,7 +61,7 @@ impl Planner<'_> {
     /// one. What is carried straight through something else is not led around it by clearances.
     fn clear_path(&self, coarse: &[Phase], settings: &Settings, nodes: Vec<Vec<f64>>) -> Path {
         let straight = self.path(coarse, settings, nodes.clone());
-        if straight.violation <= BLOCKED {
+        if straight.violation <= BLOCKED || straight.blocked.is_empty() {
             return straight;
         }
         let mut over = self.over(coarse, settings, nodes);

@@ -112,10 +112,11 @@ impl Builder<'_> {
         });
         let element = &mut p.structure.elements[t];
         let (first_row, block) = (element.n_rows(), element.blocks.len());
-        for limit in [along, along, turn].into_iter().take(place.n_rows()) {
+        let rows = [(along, "m"), (along, "m"), (turn, "rad")];
+        for (limit, unit) in rows.into_iter().take(place.n_rows()) {
             element.row_lower.push(-limit);
             element.row_upper.push(limit);
-            self.labels[t].push(label(category, Subject::Contact(contact), 1.0, "m"));
+            self.labels[t].push(label(category, Subject::Contact(contact), 1.0, unit));
         }
         element.blocks.push(BlockStructure {
             first_row,

@@ -139,36 +139,16 @@ impl Builder<'_> {
     /// Where configurations alone are unknowns: feet that land or leave are beyond the plane of the contact at the node next to it,
     /// since an interval may be long enough to come through the edge of what they land on.
     pub(super) fn soles_outside(&mut self, phases: &[Phase]) {
-        let p = &self.program;
-        let coarse = p.grid == Grid::Motion && !p.has_velocities();
-        if !coarse || p.settings.preset == Preset::Paper {
-            return;
-        }
-        let scene = self.scene;
-        let mut first = 0;
-        for (k, phase) in phases.iter().enumerate() {
-            let end = first + phase.steps;
-            // With explicit Euler what leaves is still at rest at its release, two nodes later.
-            let beside = [
-                (k.checked_sub(1), first + 2),
-                (Some(k + 1).filter(|&k| k < phases.len()), end - 1),
-            ];
-            for (neighbour, t) in beside {
-                let Some(neighbour) = neighbour.filter(|_| phase.steps > 3) else {
-                    continue;
-                };
-                let apart = phases[neighbour].state.contacts.iter();
-                let foot = |c: &Contact| scene.interfaces[c.a.0].role == Role::Foot;
-                for &contact in apart.filter(|c| foot(c) && !phase.state.contains(c)) {
-                    let frame = self.contact_frame(contact);
-                    let term = Beyond {
-                        points: self.corners(contact),
-                    };
-                    let category = label(term.name(), Subject::Contact(contact), 1.0, term.unit());
-                    self.node_term(t, t, frame, Arc::new(term), category);
-                }
+        for (contact, node, _) in self.beside_contacts(phases, 4) {
+            if !self.is_foot(contact) {
+                continue;
             }
-            first = end;
+            let frame = self.contact_frame(contact);
+            let term = Beyond {
+                points: self.corners(contact),
+            };
+            let category = label(term.name(), Subject::Contact(contact), 1.0, term.unit());
+            self.node_term(node, node, frame, Arc::new(term), category);
         }
     }
 
@@ -176,43 +156,61 @@ impl Builder<'_> {
     /// in its contact, and beside its place, at the node next to it, since an interval may be long enough to turn a hand around what
     /// it would collide with.
     pub(super) fn hands_turned(&mut self, phases: &[Phase]) {
-        let p = &self.program;
-        let coarse = p.grid == Grid::Motion && !p.has_velocities();
-        if !coarse || p.settings.between || p.settings.preset == Preset::Paper {
+        if self.program.settings.between {
             return;
         }
-        let scene = self.scene;
+        for (contact, node, interval) in self.beside_contacts(phases, 6) {
+            let nodes = &self.program.nodes[interval..=interval + 1];
+            if self.is_foot(contact) || nodes.iter().any(|n| n.var.is_none()) {
+                continue;
+            }
+            let frame = self.contact_frame(contact);
+            if contact.kind.is_patch() {
+                let term = Tilted(TURNED);
+                let category = label(term.name(), Subject::Contact(contact), 1.0, term.unit());
+                self.node_term(node, node, frame, Arc::new(term), category);
+            }
+            let limits = [BESIDE_PLACE, TURNED];
+            self.place_rows(interval, contact, frame, "contact approach", limits);
+        }
+    }
+
+    /// Contacts that begin or end with a phase of at least so many intervals in which they are open, each with the node next to it
+    /// and the interval between; none but on grids of the default preset on which configurations alone are unknowns.
+    fn beside_contacts(
+        &self,
+        phases: &[Phase],
+        least_steps: usize,
+    ) -> Vec<(Contact, usize, usize)> {
+        let p = &self.program;
+        let coarse = p.grid == Grid::Motion && !p.has_velocities();
+        let mut out = vec![];
+        if !coarse || p.settings.preset == Preset::Paper {
+            return out;
+        }
         let mut first = 0;
         for (k, phase) in phases.iter().enumerate() {
             let end = first + phase.steps;
-            // Node and interval; with explicit Euler what leaves is still at rest at its release, and only then moves.
+            // With explicit Euler what leaves is still at rest at its release, two nodes later.
             let beside = [
                 (k.checked_sub(1), first + 2, first + 1),
                 (Some(k + 1).filter(|&k| k < phases.len()), end - 1, end - 1),
             ];
             for (neighbour, node, interval) in beside {
-                let Some(neighbour) = neighbour.filter(|_| phase.steps > 5) else {
+                let Some(neighbour) = neighbour.filter(|_| phase.steps >= least_steps) else {
                     continue;
                 };
-                let apart = phases[neighbour].state.contacts.iter();
-                let foot = |c: &Contact| scene.interfaces[c.a.0].role == Role::Foot;
-                for &contact in apart.filter(|c| !foot(c) && !phase.state.contains(c)) {
-                    let nodes = &self.program.nodes[interval..=interval + 1];
-                    if nodes.iter().any(|n| n.var.is_none()) {
-                        continue;
-                    }
-                    let frame = self.contact_frame(contact);
-                    if contact.kind.is_patch() {
-                        let term = Tilted(TURNED);
-                        let category = label(term.name(), Subject::Contact(contact), 1.0, "rad");
-                        self.node_term(node, node, frame, Arc::new(term), category);
-                    }
-                    let limits = [BESIDE_PLACE, TURNED];
-                    self.place_rows(interval, contact, frame, "contact approach", limits);
-                }
+                let apart = phases[neighbour].state.iter();
+                let open = apart.filter(|c| !phase.state.contains(c));
+                out.extend(open.map(|contact| (contact, node, interval)));
             }
             first = end;
         }
+        out
+    }
+
+    fn is_foot(&self, contact: Contact) -> bool {
+        self.scene.interfaces[contact.a.0].role == Role::Foot
     }
 
     /// Corners of the interface that touches the other; its origin where it has none.
