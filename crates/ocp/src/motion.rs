@@ -11,7 +11,7 @@ use crate::settings::{Ending, NEARLY_SOLVED, Settings};
 use crate::system::System;
 use scene::Scene;
 use solver::{
-    ElementData, Enough, InteriorPoint, Iteration, Options, Problem, Report, Status, Structure,
+    ElementData, Enough, InteriorPoint, Iteration, Norm, Options, Problem, Report, Status, Structure,
     Timing,
 };
 
@@ -196,6 +196,7 @@ impl First {
             options: Options {
                 initial_barrier,
                 bound_push,
+                norm: Norm::Euclidean,
                 ..Options::default()
             },
             ..Self::cold()

@@ -12,7 +12,7 @@ use crate::motion::{First, Motion, Planner, near};
 use crate::point::Point;
 use crate::program::{Grid, Phase, Program, RowLabel};
 use crate::settings::Settings;
-use solver::{Options, Report};
+use solver::{Norm, Options, Report};
 use symbolic::ContactState;
 
 /// Iterations after which a round from a relative has failed: the cold start is better then.
@@ -27,6 +27,7 @@ fn options(whole: bool) -> Options {
         bound_push: if whole { 1e-4 } else { 1e-3 },
         first_damping: 1.0,
         tightening: 0.8,
+        norm: Norm::Euclidean,
         ..Options::default()
     }
 }

@@ -31,12 +31,36 @@ pub struct Options {
     pub tightening: f64,
     /// Does the filter stay when relaxed bounds move, and not only while the barrier parameter stays.
     pub keeps_filter: bool,
+    /// Norm of the residuals c − s that the filter compares.
+    pub norm: Norm,
     /// Wall time limit [s].
     pub time_limit: f64,
     /// Stop when this many iterations made short steps and hardly lowered the least violation; 0: never.
     pub stall_iterations: usize,
     /// Stop ([`crate::Status::Enough`]) at a point that is so near to a solution; `None`: go on to the solution.
     pub enough: Option<Enough>,
+}
+
+/// How residuals of many rows make one number θ.
+///
+/// A step that mends a few rows leaves small residuals in all that are curved. Their sum may be more than what is mended, so that
+/// only short steps are accepted; less so the root of the sum of their squares.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Norm {
+    /// ‖·‖₁.
+    Sum,
+    /// ‖·‖₂.
+    Euclidean,
+}
+
+impl Norm {
+    /// θ of these residuals.
+    pub fn of(self, residuals: impl Iterator<Item = f64>) -> f64 {
+        match self {
+            Self::Sum => residuals.map(f64::abs).sum(),
+            Self::Euclidean => residuals.map(|c| c * c).sum::<f64>().sqrt(),
+        }
+    }
 }
 
 /// What is enough where a solution need not be one to the last digit.
@@ -67,6 +91,7 @@ impl Default for Options {
             first_damping: 0.25,
             tightening: 0.25,
             keeps_filter: false,
+            norm: Norm::Sum,
             time_limit: f64::INFINITY,
             stall_iterations: 15,
             enough: None,

@@ -143,14 +143,9 @@ impl<P: Problem> InteriorPoint<P> {
         problem.retract(x, &step.dx, alpha, trial_x);
         problem.evaluate(trial_x, &mut self.trial);
         self.timing.evaluate += clock.elapsed();
-        let mut theta = 0.0;
-        let mut i = 0;
-        for data in &self.trial {
-            for c in &data.values {
-                theta += (c - state.slacks.value[i] - alpha * step.ds[i]).abs();
-                i += 1;
-            }
-        }
+        let rows = self.trial.iter().flat_map(|data| &data.values);
+        let slacks = (0..).map(|i: usize| state.slacks.value[i] + alpha * step.ds[i]);
+        let theta = state.options.norm.of(rows.zip(slacks).map(|(c, s)| c - s));
         let phi = self.trial.iter().map(|d| d.objective).sum::<f64>()
             + state.vars.barrier(state.mu, &step.dx, alpha)
             + state.slacks.barrier(state.mu, &step.ds, alpha);

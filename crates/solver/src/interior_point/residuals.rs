@@ -15,7 +15,7 @@ pub(super) struct Errors {
     pub dual: f64,
     /// Largest complementarity product, scaled.
     pub complementarity: f64,
-    /// θ = ‖c − s‖₁.
+    /// θ = ‖c − s‖ ([`Options::norm`]).
     pub theta: f64,
 }
 
@@ -62,10 +62,8 @@ impl<P: Problem> InteriorPoint<P> {
             dual = dual.max((r - state.vars.z_lower[i] + state.vars.z_upper[i]).abs());
             multiplier_sum += state.vars.z_lower[i] + state.vars.z_upper[i];
         }
-        let (mut violation, mut theta) = (0.0_f64, 0.0);
+        let mut violation = 0.0_f64;
         for i in 0..rows.len() {
-            let c = rows[i] - state.slacks.value[i];
-            theta += c.abs();
             violation = violation.max(state.violation(i, rows[i]));
             if !state.equality[i] {
                 dual = dual
@@ -82,7 +80,7 @@ impl<P: Problem> InteriorPoint<P> {
             violation,
             dual: dual / scale,
             complementarity: products.max / scale,
-            theta,
+            theta: (state.options.norm).of(rows.iter().zip(&state.slacks.value).map(|(c, s)| c - s)),
         }
     }
 
