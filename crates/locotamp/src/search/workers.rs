@@ -5,7 +5,7 @@ use crate::api::Event;
 use crate::journal::{Coarse, PointEntry, Tried};
 use crate::refine::{hold, on_finer_grid};
 use crate::{export, summary};
-use ocp::{Motion, Phase, Planner, Point, Refinement, Relative, Settings};
+use ocp::{CostTerm, Motion, Phase, Planner, Point, Refinement, Relative, Settings};
 use plan::Plan;
 use solver::Iteration;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -191,13 +191,17 @@ impl Drop for Alarm {
 const PATIENCE: usize = 50;
 const DEAREST: f64 = 4.0;
 
-/// Largest cost of a motion on the finer grid that is worth more iterations. Costs with rewards may be zero or less.
-fn most_cost(coarse: f64) -> f64 {
-    if coarse > 0.0 {
-        DEAREST * coarse
-    } else {
-        f64::INFINITY
-    }
+/// Largest cost of a motion on the finer grid that is worth more iterations, where the coarse one costs `cost` with this `reward` in
+/// it (zero or less): only what is done for it counts.
+fn most_cost(cost: f64, reward: f64) -> f64 {
+    reward + DEAREST * (cost - reward)
+}
+
+/// The part of a motion's cost that is the scene's objective: zero or less.
+fn reward(motion: &mut Motion) -> f64 {
+    let last = motion.trajectory.program.n_intervals() - 1;
+    let terms = motion.trajectory.cost_terms(&motion.point, last);
+    terms.of(CostTerm::Goal)
 }
 
 impl Shop<'_> {
@@ -241,8 +245,8 @@ impl Shop<'_> {
                 }
             }
             Start::Coarse(point, cost) => {
-                let coarse = planner.restore(phases, settings, point);
-                let most = most_cost(cost);
+                let mut coarse = planner.restore(phases, settings, point);
+                let most = most_cost(cost, reward(&mut coarse));
                 let mut watch =
                     |i: &Iteration| watch(i) && (i.number < PATIENCE || i.objective <= most);
                 let grid = self.holds.unwrap_or_default();
@@ -293,8 +297,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_motion_that_costs_five_times_as_much_is_given_up_unless_rewards_make_costs_negative() {
-        assert!(15.0 <= most_cost(5.0) && 25.0 > most_cost(5.0));
-        assert!(most_cost(-5.0) == f64::INFINITY && most_cost(0.0) == f64::INFINITY);
+    fn a_motion_that_takes_five_times_as_much_is_given_up_whatever_its_reward() {
+        for reward in [0.0, -45.0] {
+            let most = most_cost(5.0 + reward, reward);
+            assert!(15.0 + reward <= most && 25.0 + reward > most);
+        }
     }
 }
