@@ -98,3 +98,17 @@ impl Default for Options {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_small_residuals_outweigh_a_large_one_in_the_sum_and_not_in_the_euclidean_norm() {
+        let many = || std::iter::repeat_n(-1e-5, 10_000);
+        let large = || std::iter::once(7e-3);
+        assert!(Norm::Sum.of(many()) > 10.0 * Norm::Sum.of(large()));
+        assert!(Norm::Euclidean.of(many()) < 0.2 * Norm::Euclidean.of(large()));
+        assert!(Norm::Sum.of([f64::NAN, 1.0].into_iter()).is_nan());
+    }
+}

@@ -46,9 +46,9 @@ const FIRST: usize = 2;
 /// minima (benches/runs/2026-11-22-balance.md).
 const BALANCE: f64 = 2.0;
 /// Largest share of the time limit that the search may use once there is a plan; the rest is for refining it.
-const SEARCH_SHARE: f64 = 0.7;
+const SEARCH_SHARE: f64 = 0.9;
 /// Time that refining a plan is expected to take, in that of its motion and per interval: a fourth to one for the climb.
-const REFINING: f64 = 0.8;
+const REFINING: f64 = 1.0;
 /// Largest share of the time limit that is kept for refining.
 const MOST_REFINING: f64 = 0.6;
 
