@@ -11,8 +11,8 @@ use crate::settings::{Ending, NEARLY_SOLVED, Settings};
 use crate::system::System;
 use scene::Scene;
 use solver::{
-    ElementData, Enough, InteriorPoint, Iteration, Norm, Options, Problem, Report, Status, Structure,
-    Timing,
+    ElementData, Enough, InteriorPoint, Iteration, Norm, Options, Problem, Report, Status,
+    Structure, Timing,
 };
 
 /// Rounds of solving with more rows for what collides.

@@ -71,6 +71,7 @@ impl<P: Problem> InteriorPoint<P> {
             }
             multiplier_sum += state.y[i].abs() + state.slacks.z_lower[i] + state.slacks.z_upper[i];
         }
+        let residuals = rows.iter().zip(&state.slacks.value).map(|(c, s)| c - s);
         let count = (residual_x.len() + 2 * rows.len()).max(1) as f64;
         let scale = (multiplier_sum / count / 100.0).max(1.0);
         let mut products = Complementarity::default();
@@ -80,7 +81,7 @@ impl<P: Problem> InteriorPoint<P> {
             violation,
             dual: dual / scale,
             complementarity: products.max / scale,
-            theta: (state.options.norm).of(rows.iter().zip(&state.slacks.value).map(|(c, s)| c - s)),
+            theta: state.options.norm.of(residuals),
         }
     }
 
