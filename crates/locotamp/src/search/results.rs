@@ -124,6 +124,9 @@ impl Run<'_> {
         } = candidate;
         if let Some(tried) = &known {
             (done.iterations, done.seconds) = (tried.iterations, tried.seconds);
+            // A motion that is set up again has other clearances, and so other violations.
+            done.worst_phase = tried.failed_phase;
+            done.violation = tried.violation.unwrap_or(done.violation);
         } else if let Some(coarse) = coarse {
             done.iterations += coarse.iterations;
             done.work += coarse.work;
