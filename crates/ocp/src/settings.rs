@@ -236,7 +236,7 @@ pub struct Settings {
 }
 
 /// Violation (scaled rows) below which a motion is nearly one.
-pub(crate) const NEARLY_SOLVED: f64 = 3e-3;
+pub const NEARLY_SOLVED: f64 = 3e-3;
 
 /// Longest interval of a coarse motion of the preset `default` [s]: what explicit Euler does with longer ones is no motion of a
 /// robot. Refinement lets phases grow that this keeps short.

@@ -144,9 +144,11 @@ impl Run<'_> {
             (false, Some(known)) => known.reward,
             (false, None) => Rewards::of_failure(done.violation),
         };
+        // What was nearly a motion says nothing of what is possible.
+        let failed = done.violation > ocp::NEARLY_SOLVED;
         if done.feasible {
             self.failures.succeeded(&sequence.states);
-        } else if let Some(phase) = done.worst_phase.filter(|_| done.violation > NEARLY) {
+        } else if let Some(phase) = done.worst_phase.filter(|_| failed) {
             self.failures.failed(number, &sequence.states, phase);
         }
         let attempt = Attempt {
@@ -366,9 +368,6 @@ impl Run<'_> {
         })
     }
 }
-
-/// Violation (scaled rows) up to which a motion that ended was nearly one: that says nothing of what is possible.
-const NEARLY: f64 = 3e-3;
 
 /// A mean reward as it is written, in millionths.
 fn rounded(value: f64) -> f64 {

@@ -192,12 +192,12 @@ const PATIENCE: usize = 50;
 const DEAREST: f64 = 4.0;
 
 /// Largest cost of a motion on the finer grid that is worth more iterations, where the coarse one costs `cost` with this `reward` in
-/// it (zero or less): only what is done for it counts.
+/// it: only what is done for it counts.
 fn most_cost(cost: f64, reward: f64) -> f64 {
     reward + DEAREST * (cost - reward)
 }
 
-/// The part of a motion's cost that is the scene's objective: zero or less.
+/// The part of a motion's cost that is the scene's objective at its end, mostly negative.
 fn reward(motion: &mut Motion) -> f64 {
     let last = motion.trajectory.program.n_intervals() - 1;
     let terms = motion.trajectory.cost_terms(&motion.point, last);
