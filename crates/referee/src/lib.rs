@@ -6,6 +6,9 @@
 //!
 //! Source: Wächter and Biegler 2006; C interface of IPOPT 3.11 to 3.14 (`IpStdCInterface.h`).
 
+#[cfg(feature = "ipopt")]
+#[allow(unsafe_code, reason = "calls of a C library and callbacks from it")]
+mod callbacks;
 mod chart;
 #[cfg(feature = "ipopt")]
 #[allow(unsafe_code, reason = "calls of a C library and callbacks from it")]
