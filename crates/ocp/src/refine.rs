@@ -29,6 +29,23 @@ impl Default for Refinement {
     }
 }
 
+impl Refinement {
+    /// The options of the finer grid, from those of the coarse motion.
+    pub fn settings(&self, coarse: &Settings) -> Settings {
+        Settings {
+            integrator: self.integrator,
+            max_step: self.max_step,
+            between: true,
+            ending: Ending::Good,
+            weights: Weights {
+                acceleration: SMOOTHER * coarse.weights.acceleration,
+                ..coarse.weights.clone()
+            },
+            ..coarse.clone()
+        }
+    }
+}
+
 /// Factor by which a phase may grow on the finer grid, and the same for one that is as long as its intervals may be.
 const ROOM: f64 = 1.1;
 const MORE_ROOM: f64 = 1.7;
@@ -97,17 +114,7 @@ impl Planner<'_> {
         for t in [0, n - 1, n] {
             velocities[t] = vec![0.0; self.system.model.nv];
         }
-        let settings = Settings {
-            integrator: refinement.integrator,
-            max_step: refinement.max_step,
-            between: true,
-            ending: Ending::Good,
-            weights: Weights {
-                acceleration: SMOOTHER * settings.weights.acceleration,
-                ..settings.weights.clone()
-            },
-            ..settings.clone()
-        };
+        let settings = refinement.settings(settings);
         let none = Crossings::new();
         let program = self.program(&finer, &settings, Grid::Motion, near(&nodes, &none));
         if !program.has_velocities() {

@@ -144,12 +144,10 @@ impl Run<'_> {
             (false, Some(known)) => known.reward,
             (false, None) => Rewards::of_failure(done.violation),
         };
-        // What was nearly a motion says nothing of what is possible.
-        let failed = done.violation > ocp::NEARLY_SOLVED;
         if done.feasible {
             self.failures.succeeded(&sequence.states);
-        } else if let Some(phase) = done.worst_phase.filter(|_| failed) {
-            self.failures.failed(number, &sequence.states, phase);
+        } else if let Some(phase) = done.worst_phase {
+            (self.failures).failed(number, &sequence.states, phase, done.violation);
         }
         let attempt = Attempt {
             number,

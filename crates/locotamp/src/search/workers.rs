@@ -262,13 +262,14 @@ impl Shop<'_> {
         done
     }
 
-    /// A motion that is known ([`Planner::restore`]), with the integrator of its grid.
+    /// A motion that is known ([`Planner::restore`]), with the options of its grid but for the longest interval: what is refined from
+    /// it then gets little room to grow, which takes half the iterations (benches/runs/2026-11-25-perturbed.md).
     pub fn restore(self, phases: &[Phase], point: Point) -> Motion {
         let finer = self.holds.filter(|_| !point.velocities.is_empty());
-        let settings = Settings {
-            integrator: finer.map_or(self.settings.integrator, |grid| grid.integrator),
-            ..self.settings.clone()
-        };
+        let settings = finer.map_or(self.settings.clone(), |refinement| Settings {
+            max_step: self.settings.max_step,
+            ..refinement.settings(self.settings)
+        });
         self.planner.restore(phases, &settings, point)
     }
 

@@ -195,6 +195,15 @@ fn motions_that_must_hold_on_a_finer_grid_are_the_same_for_all_threads_and_from_
     assert_eq!(known, 1, "it is not optimised again");
     let coarse = |text: &str| text.lines().filter(is_coarse).count();
     assert_eq!(coarse(&after), coarse(&text));
+
+    // As if killed at the end: motions are set up again, and cost what they did.
+    let again = with(1, Some(&path), true);
+    let costs = |outcome: &Outcome| -> Vec<Option<f64>> {
+        let costs = outcome.attempts.iter().map(|attempt| attempt.cost);
+        costs.map(|cost| cost.map(|c| (c * 1e6).round())).collect()
+    };
+    assert!(costs(&whole).iter().any(Option::is_some));
+    assert_eq!(costs(&again), costs(&whole));
 }
 
 #[test]
