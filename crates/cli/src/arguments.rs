@@ -142,6 +142,9 @@ pub(crate) struct ProblemOptions {
     /// How states follow from one another before the refinement
     #[arg(long, value_enum, default_value_t = IntegratorName::Euler)]
     pub integrator: IntegratorName,
+    /// How contacts stick on the coarse grid
+    #[arg(long, value_enum, default_value_t = StickingName::Displacement)]
+    pub sticking: StickingName,
     /// Longest step of the refined motion that is written
     #[arg(long, value_name = "S", value_parser = refine_step, default_value_t = 0.02)]
     pub refine_step: f64,
@@ -163,6 +166,7 @@ impl ProblemOptions {
         Request {
             preset: self.preset.into(),
             integrator: self.integrator.into(),
+            sticking: self.sticking.into(),
             time_limit: time_limit.unwrap_or(f64::INFINITY),
             refinement,
             ..Request::default()
@@ -222,6 +226,9 @@ pub(crate) struct BenchOptions {
     /// How states follow from one another before the refinement
     #[arg(long, value_enum, default_value_t = IntegratorName::Euler)]
     pub integrator: IntegratorName,
+    /// How contacts stick on the coarse grid
+    #[arg(long, value_enum, default_value_t = StickingName::Displacement)]
+    pub sticking: StickingName,
     /// Leave the joint torque limits out, torque at speed too (to see what they change)
     #[arg(long)]
     pub no_torque_limits: bool,
@@ -271,7 +278,7 @@ pub(crate) enum GraphName {
 pub(crate) enum PresetName {
     /// What a robot should execute: no slip, distances as constraints, margins
     Default,
-    /// The paper's problem to the letter, for comparisons
+    /// The paper's problem, for comparisons; to the letter with `--sticking velocity`
     Paper,
 }
 
@@ -301,6 +308,24 @@ impl From<IntegratorName> for locotamp::Integrator {
             IntegratorName::Euler => Self::Euler,
             IntegratorName::SemiImplicitEuler => Self::SemiImplicitEuler,
             IntegratorName::ConstantAcceleration => Self::ConstantAcceleration,
+        }
+    }
+}
+
+/// The ways to stick by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum StickingName {
+    /// The place of a contact is the same from one node to the next
+    Displacement,
+    /// Its velocity along the surface is zero, as in the paper, which drifts by millimetres and more
+    Velocity,
+}
+
+impl From<StickingName> for locotamp::Sticking {
+    fn from(name: StickingName) -> Self {
+        match name {
+            StickingName::Displacement => Self::Displacement,
+            StickingName::Velocity => Self::Velocity,
         }
     }
 }

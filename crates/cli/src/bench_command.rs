@@ -50,6 +50,7 @@ pub(crate) fn run(options: &BenchOptions) -> Result<Exit, Failure> {
         preset: options.preset.into(),
         time_limit: options.time_limit.unwrap_or(f64::INFINITY),
         integrator: options.integrator.into(),
+        sticking: options.sticking.into(),
         refinement: None,
         ..Request::default()
     };

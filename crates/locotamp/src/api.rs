@@ -4,7 +4,7 @@ use crate::export;
 use crate::quality::{self, Quality};
 use crate::refine::Refined;
 use crate::summary::{self, Summary};
-use ocp::{Integrator, Motion, Preset, Refinement};
+use ocp::{Integrator, Motion, Preset, Refinement, Sticking};
 use plan::Plan;
 use scene::Scene;
 use std::path::PathBuf;
@@ -77,6 +77,8 @@ pub struct Request {
     pub max_optimised: usize,
     /// How states follow from one another before refinement; the preset `paper` has explicit Euler only.
     pub integrator: Integrator,
+    /// How contacts stick on the coarse grid.
+    pub sticking: Sticking,
     /// The finer grid of the returned plan; `None` for the coarse one. The preset `paper` has none.
     pub refinement: Option<Refinement>,
     /// Explain why a given sequence has no motion, and what would give it one ([`crate::solve`] only): takes many solves.
@@ -104,6 +106,7 @@ impl Default for Request {
             solutions: 5,
             max_optimised: 200,
             integrator: Integrator::Euler,
+            sticking: Sticking::Displacement,
             refinement: Some(Refinement::default()),
             explain: false,
         }

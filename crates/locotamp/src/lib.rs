@@ -24,7 +24,7 @@ pub use api::{
     Search, Stop,
 };
 pub use domain::{Skeletons, domain, pddl, skeletons};
-pub use ocp::{Integrator, Preset, Refinement};
+pub use ocp::{Integrator, Preset, Refinement, Sticking};
 pub use plan::Explanation;
 pub use quality::{Margin, Peak, Quality, Residuals, Swing};
 pub use refine::Refined;

@@ -8,7 +8,7 @@ use crate::guess::Curve;
 use crate::motion::{First, Motion, Planner, near};
 use crate::point::Point;
 use crate::program::{Grid, Phase};
-use crate::settings::{Ending, Integrator, Settings, Weights};
+use crate::settings::{Ending, Integrator, Settings, Sticking, Weights};
 use solver::Iteration;
 
 /// What the finer grid is like.
@@ -34,6 +34,7 @@ impl Refinement {
     pub fn settings(&self, coarse: &Settings) -> Settings {
         Settings {
             integrator: self.integrator,
+            sticking: Sticking::Displacement,
             max_step: self.max_step,
             between: true,
             ending: Ending::Good,

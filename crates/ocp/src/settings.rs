@@ -6,8 +6,18 @@ pub enum Preset {
     /// What users should execute: base rows, distance constraints, margins.
     #[default]
     Default,
-    /// The paper's problem to the letter: momentum rows, velocity-level sticking, sigmoid penalties, no margins.
+    /// The paper's problem: momentum rows, sigmoid penalties, no margins; to the letter with [`Sticking::Velocity`].
     Paper,
+}
+
+/// How contacts stick over an interval (formulation 2.2).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Sticking {
+    /// The place of a contact is the same at both ends: no drift.
+    #[default]
+    Displacement,
+    /// The tangential velocity at its beginning is zero, as in the paper: explicit Euler drifts by O(dt²).
+    Velocity,
 }
 
 /// How the state of a node follows from the one before; a the acceleration of the interval.
@@ -208,6 +218,8 @@ pub struct Settings {
     pub preset: Preset,
     /// How states follow from one another; the preset `paper` has explicit Euler only.
     pub integrator: Integrator,
+    /// How contacts stick.
+    pub sticking: Sticking,
     /// Longest interval [s], which bounds the phases too; ∞: bounded by the phases only.
     pub max_step: f64,
     /// Shortest phase [s].
@@ -255,6 +267,7 @@ impl Settings {
         Self {
             preset,
             integrator: Integrator::Euler,
+            sticking: Sticking::Displacement,
             max_step: if preset == Preset::Default {
                 LONGEST_STEP
             } else {

@@ -199,6 +199,7 @@ pub(crate) fn settings(scene: &Scene, request: &Request) -> Result<Settings, Err
     let settings = Settings::new(request.preset, &scene.optimiser);
     Ok(Settings {
         integrator: request.integrator,
+        sticking: request.sticking,
         between: settings.between && request.refines().is_none(),
         ending: match request.refines() {
             Some(_) => Ending::Rough,

@@ -1,6 +1,6 @@
 //! Given sequences.
 
-use locotamp::{Refinement, Request, solve};
+use locotamp::{Preset, Refinement, Request, Sticking, solve};
 use scene::{Scene, Sequence, SequenceFile};
 use std::path::Path;
 
@@ -70,6 +70,31 @@ fn the_costs_of_a_solved_sequence_by_interval_and_term_add_up_to_its_cost() {
         let rates = terms.contains(&"force_rate".into());
         assert_eq!(rates, request.refinement.is_some());
     }
+}
+
+/// Largest drift of a contact in the paper's problem over a phase [mm], and what the checker allows.
+fn drift(sticking: Sticking) -> (f64, f64) {
+    let (scene, sequence) = given("yardstick/fixed.toml");
+    let request = Request {
+        preset: Preset::Paper,
+        sticking,
+        ..Request::default()
+    };
+    let solved = solve(&scene, &sequence, &request, &mut |_| true).expect("a planning problem");
+    assert!(solved.feasible, "{:?}", solved.reason);
+    let plan = solved.best.expect("a plan").plan;
+    let report = check::check(&plan, &check::Options::accept());
+    let slip = report.row("slip_phase").expect("a row");
+    (slip.value.expect("contacts"), slip.tolerance)
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "slow without optimisation")]
+fn contacts_of_the_papers_problem_drift_only_if_they_stick_by_velocity() {
+    let (by_displacement, allowed) = drift(Sticking::Displacement);
+    assert!(by_displacement < 0.1, "{by_displacement} mm");
+    let (by_velocity, _) = drift(Sticking::Velocity);
+    assert!(by_velocity > allowed, "{by_velocity} mm");
 }
 
 /// Height above the place where it lands below which a foot is nearly down, and how far from there it may be then [m].

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::label::label;
 use super::{Builder, Grid, Phase, Program, Slip, Stick, Subject};
 use crate::relative::RelativeFrame;
-use crate::settings::Preset;
+use crate::settings::Sticking;
 use crate::terms::{
     PoseTerm, alignment::Alignment, bounds::Bounds, half_space::HalfSpace, height::Height,
     place::Place, slip_velocity,
@@ -76,7 +76,7 @@ impl Builder<'_> {
             if keyframes && t + 1 == n && here {
                 self.contact_rows(t, t + 1, contact, frame);
             }
-            let by_velocity = !keyframes && self.program.settings.preset == Preset::Paper;
+            let by_velocity = !keyframes && self.program.settings.sticking == Sticking::Velocity;
             let p = &mut self.program;
             if p.has_velocities() && here && !before && p.nodes[t].velocity_var.is_some() {
                 self.touch_rows(t, contact, frame);

@@ -3,7 +3,7 @@
 use multibody::{Model, Root, TorqueSpeed};
 use nalgebra::{Matrix3, Vector3, Vector6};
 use ocp::collision::CollisionModel;
-use ocp::{Grid, Integrator, Phase, Point, Preset, Program, Settings, System, Trajectory};
+use ocp::{Grid, Integrator, Phase, Point, Preset, Program, Settings, Sticking, System, Trajectory};
 use scene::{
     Interface, Object, Objective, OptimiserOptions, Owner, PlacedShape, Robot, Role, Scene,
     SearchOptions, Shape, StaticBody,
@@ -268,6 +268,9 @@ pub fn of_phases(
         integrator,
         ..Settings::new(preset, &scene.optimiser)
     };
+    if preset == Preset::Paper {
+        settings.sticking = Sticking::Velocity;
+    }
     settings.weights.balance = 2.0;
     if fine {
         phases.reverse();
