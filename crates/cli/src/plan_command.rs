@@ -140,16 +140,19 @@ pub(crate) fn load(name: &str) -> Result<Scene, Failure> {
 }
 
 /// Says what is unusual in a scene.
-pub(crate) fn tell_notes(scene: &Scene, quiet: bool) {
-    for note in scene.notes().iter().filter(|_| !quiet) {
-        output::error(&format!("note: {note}\n"));
+pub(crate) fn tell_notes(scene: &Scene, quiet: bool) -> Result<(), Failure> {
+    if !quiet {
+        for note in scene.notes().into_iter().chain(locotamp::home_note(scene)?) {
+            output::error(&format!("note: {note}\n"));
+        }
     }
+    Ok(())
 }
 
 /// Plans, writes, checks and tells.
 pub(crate) fn run(options: &PlanOptions) -> Result<Exit, Failure> {
     let mut scene = load(&options.scene)?;
-    tell_notes(&scene, options.quiet);
+    tell_notes(&scene, options.quiet)?;
     if options.problem.no_torque_limits {
         scene.optimiser.torque_limits = false;
     }

@@ -36,7 +36,7 @@ impl Finished {
 /// Solves, writes, checks and tells.
 pub(crate) fn run(options: &SolveOptions) -> Result<Exit, Failure> {
     let mut scene = load(&options.scene)?;
-    tell_notes(&scene, options.quiet);
+    tell_notes(&scene, options.quiet)?;
     if options.problem.no_torque_limits {
         scene.optimiser.torque_limits = false;
     }

@@ -31,4 +31,5 @@ pub use refine::Refined;
 pub use search::plan;
 pub use solve::{KeyframeReport, MotionReport, Solved, solve};
 pub use solver::{Status, Timing};
+pub use start::home_note;
 pub use summary::{PhaseSummary, Summary};

@@ -1,4 +1,4 @@
-//! The start must not be in collision.
+//! The start must not be in collision, nor should the home posture.
 
 use crate::api::Error;
 use crate::summary;
@@ -7,6 +7,30 @@ use scene::Scene;
 
 /// Overlap of bodies at the start that is tolerated [m]: less than the collision model's own accuracy.
 const START_OVERLAP: f64 = 0.005;
+
+/// Says which links overlap in the robot's home posture: plans may leave them so, which checkers and simulators may not like.
+///
+/// # Errors
+/// If the robot has no model.
+pub fn home_note(scene: &Scene) -> Result<Option<String>, Error> {
+    let planner = Planner::new(scene)?;
+    let overlaps = planner.collisions.overlaps_at_home();
+    let mut deep = overlaps.iter().filter(|(depth, ..)| *depth > START_OVERLAP);
+    let Some(&(depth, a, b)) = deep.next() else {
+        return Ok(None);
+    };
+    let [a, b] = [a, b].map(|joint| summary::body_name(scene, &planner.system, Ok(joint)));
+    let more = match deep.count() {
+        0 => String::new(),
+        1 => ", one more pair of links too".into(),
+        n => format!(", {n} more pairs of links too"),
+    };
+    Ok(Some(format!(
+        "in the home posture {a} is {:.0} mm inside {b}{more}: plans keep them from getting deeper, no more than that; [home] of the \
+         robot file changes it",
+        1e3 * depth
+    )))
+}
 
 /// Refuses a start in which bodies that do not touch overlap.
 pub(crate) fn check_start(scene: &Scene, planner: &Planner<'_>) -> Result<(), Error> {

@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 use spatial::Pose;
 
 /// Radius of the points that stand for an edge [m].
-const POINT: f64 = 0.003;
+pub(super) const POINT: f64 = 0.003;
 /// Distance of neighbouring points [m].
 const STEP: f64 = 0.02;
 /// Least distance of those that get a say at once [m]: many that are equally near would make an edge look nearer than it is.
@@ -21,13 +21,17 @@ const NEARER: f64 = 0.002;
 /// The most that is demanded of edges of static boxes [m].
 const MOST_OF_EDGES: f64 = 0.005;
 
-/// Points on the edges of a box, in its frame, that are in a ball.
-fn along_edges(half: &Vector3<f64>, (centre, radius): Ball) -> Vec<Vector3<f64>> {
+/// Points on the edges of a box, in its frame, that are in a ball; neighbouring ones are `apart` [m] at most.
+pub(super) fn along_edges(
+    half: &Vector3<f64>,
+    apart: f64,
+    (centre, radius): Ball,
+) -> Vec<Vector3<f64>> {
     let reach = half.map(|h| (h - POINT).max(0.0));
     let mut out = Vec::new();
     for k in 0..3 {
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-        let count = (2.0 * reach[k] / STEP).ceil().max(1.0);
+        let count = (2.0 * reach[k] / apart).ceil().max(1.0);
         let step = 2.0 * reach[k] / count;
         for at in 0..=count as usize {
             let along = at as f64 * step - reach[k];
@@ -62,7 +66,7 @@ pub(super) fn nearest(
     let reach = other.norm() + POINT + EVENNESS + below.max(0.0);
     let near = (to_from_of.inverse().origin(), reach);
     let distance = |p: Vector3<f64>| (to.roughly_nearest(&to_from_of.act(p)) - POINT, p);
-    let points = along_edges(half, near).into_iter().map(distance);
+    let points = along_edges(half, STEP, near).into_iter().map(distance);
     let mut points: Vec<_> = points.filter(|(d, _)| *d < below).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut out: Vec<(f64, Ball)> = Vec::new();

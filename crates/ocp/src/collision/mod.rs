@@ -6,6 +6,7 @@
 
 mod cover;
 mod edges;
+mod links;
 mod pairs;
 mod passages;
 #[cfg(test)]
@@ -15,7 +16,8 @@ mod watch;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use cover::{corners, cover, parts};
+use cover::{corners, parts};
+use links::{LinkShape, SelfPair};
 pub use pairs::{Pair, Place};
 pub use passages::{Crossing, Crossings};
 pub use watch::Watched;
@@ -23,21 +25,12 @@ pub use watch::Watched;
 use crate::program::{Grid, Phase, Program};
 use crate::relative::{Body, Carrier, RelativeFrame};
 use crate::system::System;
-use crate::terms::PoseTerm;
-use crate::terms::distance::{Ball, Distance, Obstacle, Part, bounding_ball};
+use crate::terms::distance::{Ball, Obstacle, Part, bounding_ball};
 use multibody::Kinematics;
 use nalgebra::Vector3;
 use scene::{Interface, Owner, PlacedShape, Role, Scene, Shape};
 use spatial::Pose;
 use symbolic::Contact;
-
-/// Joints between a link and the root of its limb from which on it swings about: knees, shins, feet, forearms, hands.
-const LIMB: usize = 4;
-/// Distance from which on two such links of different limbs get a row [m].
-const NEAR_LIMBS: f64 = 0.35;
-
-/// By how much less than what a row says at rest is demanded of two links [m].
-const AT_REST: f64 = 0.0005;
 
 /// Half length from which on a link's box counts for the penalties: torso, thighs, shins, forearms [m].
 const LARGE_BOX: f64 = 0.07;
@@ -76,15 +69,6 @@ struct Primitive {
 /// Two bodies in contact: joint, and joint or static body.
 type Touch = (usize, Other);
 
-impl SelfPair {
-    /// Clearance that can be demanded of the pair, `wish` if it leaves the robot room: half of the distance in the home posture,
-    /// and no more than its row says at rest.
-    fn clearance(&self, wish: f64) -> f64 {
-        let half = 0.5 * (self.at_home - pairs::BLUR).max(0.0);
-        wish.min(half).min(self.row_at_rest - AT_REST)
-    }
-}
-
 impl Primitive {
     /// Is it one of this body.
     fn is_of(&self, body: Other) -> bool {
@@ -102,19 +86,6 @@ impl Primitive {
         };
         self.from_body * body_from_a
     }
-}
-
-/// Two links of the robot that must not touch, the balls of one and the parts of the other, and their distance in the home
-/// posture.
-#[derive(Debug, Clone, Copy)]
-struct SelfPair {
-    a: usize,
-    b: usize,
-    at_home: f64,
-    /// What their row says in the home posture or at the start, the less of both [m].
-    row_at_rest: f64,
-    /// Distance from which on they get a row [m].
-    near: f64,
 }
 
 /// Balls and obstacles of a scene.
@@ -147,12 +118,15 @@ impl CollisionModel {
         let n = system.model.joints.len();
         let mut balls: Vec<Vec<Ball>> = vec![vec![]; n];
         let mut link_parts: Vec<Vec<Part>> = vec![vec![]; n];
+        let mut link_shapes: Vec<Vec<LinkShape>> = vec![vec![]; n];
         for (frame, shapes) in system.model.frames.iter().zip(&scene.robot.shapes) {
             if let Some(joint) = frame.joint {
                 for shape in shapes {
                     let pose = frame.joint_from_frame * shape.body_from_shape;
-                    cover(&pose, &shape.shape, &mut balls[joint]);
-                    parts(&pose, &shape.shape, &mut link_parts[joint]);
+                    let own = LinkShape::new(&pose, &shape.shape);
+                    balls[joint].extend_from_slice(&own.balls);
+                    link_parts[joint].extend_from_slice(&own.parts);
+                    link_shapes[joint].push(own);
                 }
             }
         }
@@ -193,90 +167,9 @@ impl CollisionModel {
             rows: vec![],
             touchable: Self::find_touchable(scene, system),
         };
-        model.self_pairs = model.find_self_pairs(scene, system);
+        model.self_pairs = links::self_pairs(scene, system, &link_shapes);
         model.rows = model.find_rows();
         model
-    }
-
-    /// Pairs of links more than two joints apart that are clear of one another in the home posture.
-    fn find_self_pairs(&self, scene: &Scene, system: &System) -> Vec<SelfPair> {
-        let model = &system.model;
-        let start = system.start(scene);
-        let mut home = start.clone();
-        let first = model.joints[0].kind.nq();
-        home[first..first + scene.robot.home.len()].copy_from_slice(&scene.robot.home);
-        let [at_home, at_start] = [&home, &start].map(|q| {
-            let mut kinematics = Kinematics::new(model);
-            kinematics.update(model, q);
-            kinematics
-        });
-        let path = |j: usize| {
-            let mut out = vec![j];
-            while let Some(parent) = model.joints[out[out.len() - 1]].parent {
-                out.push(parent);
-            }
-            out
-        };
-        let mut out = Vec::new();
-        for a in 0..system.n_robot_joints {
-            for b in 0..a {
-                if self.balls[a].is_empty() || self.balls[b].is_empty() {
-                    continue;
-                }
-                let (pa, pb) = (path(a), path(b));
-                let Some(common) = pa.iter().find(|j| pb.contains(j)) else {
-                    continue;
-                };
-                let steps = |p: &[usize]| p.iter().position(|j| j == common).unwrap_or(0);
-                if steps(&pa) + steps(&pb) <= 2 {
-                    continue;
-                }
-                // The cheaper way round.
-                let cost = |a: usize, b: usize| self.balls[a].len() * self.parts[b].len();
-                let (a, b) = if cost(a, b) <= cost(b, a) {
-                    (a, b)
-                } else {
-                    (b, a)
-                };
-                let distance = self.link_distance(&at_home, a, b);
-                if distance > 0.0 {
-                    let limbs = steps(&pa).min(steps(&pb)) >= LIMB;
-                    let near = if limbs { NEAR_LIMBS } else { pairs::NEAR };
-                    let rests = [&at_home, &at_start].map(|k| self.row_of_links(k, a, b));
-                    out.push(SelfPair {
-                        a,
-                        b,
-                        at_home: distance,
-                        row_at_rest: rests[0].min(rests[1]),
-                        near,
-                    });
-                }
-            }
-        }
-        out
-    }
-
-    fn link_distance(&self, kinematics: &Kinematics, a: usize, b: usize) -> f64 {
-        let b_from_a = kinematics.world_from_joint[b].inverse() * kinematics.world_from_joint[a];
-        let mut least = f64::INFINITY;
-        for (centre, radius) in &self.balls[a] {
-            let p = b_from_a.act(*centre);
-            for part in &self.parts[b] {
-                least = least.min(part.rough_distance(&p) - radius);
-            }
-        }
-        least
-    }
-
-    /// What the row of two links says in a configuration [m]: up to a few centimetres less than their distance where flat
-    /// faces lie opposite, since there many balls are equally near.
-    fn row_of_links(&self, kinematics: &Kinematics, a: usize, b: usize) -> f64 {
-        let b_from_a = kinematics.world_from_joint[b].inverse() * kinematics.world_from_joint[a];
-        let parts = Obstacle::Parts(self.parts[b].clone());
-        let row = Distance::new(self.balls[a].clone(), parts, Pose::identity(), 0.0);
-        let mut value = [f64::NAN];
-        row.values(&b_from_a, &mut value);
-        value[0]
     }
 
     /// The relative frame of two bodies.
@@ -380,9 +273,17 @@ impl CollisionModel {
                 see(depth, a, other);
             }
         }
-        for &SelfPair { a, b, .. } in &self.self_pairs {
-            see(-self.link_distance(kinematics, a, b), a, Ok(b));
+        for pair in &self.self_pairs {
+            see(-pair.beyond_home(kinematics), pair.a, Ok(pair.b));
         }
+    }
+
+    /// Links that overlap in the home posture though not because of how the robot is built: how deep [m] and which, deepest first.
+    pub fn overlaps_at_home(&self) -> Vec<(f64, usize, usize)> {
+        let deep = self.self_pairs.iter().filter(|pair| pair.at_home < 0.0);
+        let mut out: Vec<_> = deep.map(|pair| (-pair.at_home, pair.a, pair.b)).collect();
+        out.sort_by(|x, y| y.0.total_cmp(&x.0));
+        out
     }
 
     /// The boxes and other shapes that an object is.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::edges::edge_row;
 use super::shared::Shared;
-use super::{Ball, Clearances, CollisionModel, Crossings, Other, Primitive, SelfPair, Touch};
+use super::{Ball, Clearances, CollisionModel, Crossings, Other, Primitive, Touch};
 use crate::program::{Grid, Phase, Program, landing};
 use crate::settings::Preset;
 use crate::terms::PoseTerm;
@@ -78,10 +78,10 @@ struct Since {
 }
 
 /// Guide configurations that count for a node, and how long ago pairs touched.
-struct At<'a> {
-    node: usize,
-    kinematics: &'a [Kinematics],
-    window: &'a [&'a Kinematics],
+pub(super) struct At<'a> {
+    pub(super) node: usize,
+    pub(super) kinematics: &'a [Kinematics],
+    pub(super) window: &'a [&'a Kinematics],
     since: &'a dyn Fn(usize, Other) -> Option<Since>,
     /// The same where the first one touches an object that touches the other.
     through: &'a dyn Fn(usize, Other) -> Option<Since>,
@@ -408,60 +408,6 @@ impl CollisionModel {
                 }
             }
         }
-    }
-
-    /// Links of the robot against one another.
-    fn link_pairs(&self, program: &Program, at: &At<'_>, shared: &mut Shared, out: &mut Vec<Pair>) {
-        for (index, pair) in self.self_pairs.iter().enumerate() {
-            let wish = match program.grid {
-                Grid::Keyframes | Grid::OpenKeyframes | Grid::State => -BLUR,
-                _ => program.settings.margins.self_clearance,
-            };
-            let demanded = |_: Says<'_>| pair.clearance(wish);
-            let row = self.link_row((index, pair), at.window, &demanded, shared);
-            out.extend(row.map(|term| Pair {
-                place: Place::Node(at.node),
-                a: pair.a,
-                b: Some(pair.b),
-                term,
-            }));
-        }
-    }
-
-    /// Row of two links, if they come near one another in any of the configurations.
-    pub(super) fn link_row(
-        &self,
-        (index, pair): (usize, &SelfPair),
-        window: &[&Kinematics],
-        demanded: &dyn Fn(Says<'_>) -> f64,
-        shared: &mut Shared,
-    ) -> Option<Arc<dyn PoseTerm>> {
-        let (near_a, near_b) = self.balls_near_link(pair, window);
-        if near_a.is_empty() {
-            return None;
-        }
-        let clearance = demanded(&|k| self.row_of_links(k, pair.a, pair.b));
-        let shapes = (near_a, Obstacle::Parts(near_b));
-        let row = shared.row((index, None), shapes, Pose::identity(), clearance);
-        Some(Arc::new(row))
-    }
-
-    /// Balls of one link and parts of another that come near one another in any of the configurations.
-    fn balls_near_link(&self, pair: &SelfPair, window: &[&Kinematics]) -> (Vec<Ball>, Vec<Part>) {
-        let poses: Vec<Pose> = window
-            .iter()
-            .map(|k| k.world_from_joint[pair.b].inverse() * k.world_from_joint[pair.a])
-            .collect();
-        let near = |(centre, radius): &Ball, part: &Part| {
-            let mut points = poses.iter().map(|x| x.act(*centre));
-            points.any(|p| part.rough_distance(&p) - radius < pair.near)
-        };
-        let bound = self.bounds[pair.a];
-        let parts = self.parts[pair.b].iter();
-        let parts: Vec<Part> = parts.filter(|part| near(&bound, part)).cloned().collect();
-        let balls = self.balls[pair.a].iter();
-        let balls = balls.filter(|ball| parts.iter().any(|part| near(ball, part)));
-        (balls.copied().collect(), parts)
     }
 }
 

@@ -136,7 +136,7 @@ impl CollisionModel {
                 }
                 let links = self.self_pairs.iter().enumerate();
                 for (index, pair) in links.filter(|(_, p)| p.a == a && Ok(p.b) == other) {
-                    let row = self.link_row((index, pair), &window, &demanded, shared);
+                    let row = pair.row(index, &window, &demanded, shared);
                     out.extend(row.map(|term| Pair {
                         place,
                         a,

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::pairs::BLUR;
-use super::{Ball, CollisionModel, Other, Pair, Part, Place, Primitive, SelfPair, Touch, touches};
+use super::{Ball, CollisionModel, Other, Pair, Part, Place, Primitive, Touch, touches};
 use crate::program::{Grid, Phase, Program};
 use crate::system::System;
 use crate::terms::PoseTerm;
@@ -64,14 +64,12 @@ impl CollisionModel {
             }
         }
         for pair in &self.self_pairs {
-            let &SelfPair { a, b, .. } = pair;
-            let parts = Obstacle::Parts(self.parts[b].clone());
             out.push(row(
-                (a, Some(b)),
+                (pair.a, Some(pair.b)),
                 None,
-                &self.balls[a],
-                (parts, Pose::identity()),
-                Some(self.bounds[b]),
+                &pair.balls,
+                (Obstacle::Parts(pair.parts.clone()), Pose::identity()),
+                Some(self.bounds[pair.b]),
                 pair.clearance(-BLUR),
             ));
         }

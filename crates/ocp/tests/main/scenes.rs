@@ -3,7 +3,9 @@
 use multibody::{Model, Root, TorqueSpeed};
 use nalgebra::{Matrix3, Vector3, Vector6};
 use ocp::collision::CollisionModel;
-use ocp::{Grid, Integrator, Phase, Point, Preset, Program, Settings, Sticking, System, Trajectory};
+use ocp::{
+    Grid, Integrator, Phase, Point, Preset, Program, Settings, Sticking, System, Trajectory,
+};
 use scene::{
     Interface, Object, Objective, OptimiserOptions, Owner, PlacedShape, Robot, Role, Scene,
     SearchOptions, Shape, StaticBody,

@@ -31,7 +31,7 @@ fn links_that_are_near_one_another_at_the_start_may_stay_as_near() {
         let mut kinematics = Kinematics::new(model);
         kinematics.update(model, &planner.system.start(&scene));
         for pair in &planner.collisions.self_pairs {
-            let row = planner.collisions.row_of_links(&kinematics, pair.a, pair.b);
+            let row = pair.row_says(&kinematics);
             for wish in [0.015, -BLUR] {
                 assert!(pair.clearance(wish) < row, "{pair:?}: {row}");
             }

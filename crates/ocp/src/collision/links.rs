@@ -1,0 +1,380 @@
+//! Links of the robot against one another.
+//!
+//! Links more than two joints apart keep out of one another, shape by shape: what robots are described by overlaps where links are
+//! joined, which is no collision. Shapes that overlap in the home posture and with all joints at zero are left alone; those that
+//! overlap in the home posture only may do so as deep as there, no deeper.
+
+use std::sync::Arc;
+
+use super::cover::{cover, parts};
+use super::edges;
+use super::pairs::{At, BLUR, NEAR, Place, Says, value};
+use super::shared::Shared;
+use super::{Ball, CollisionModel, Pair, Part};
+use crate::program::{Grid, Program};
+use crate::system::System;
+use crate::terms::PoseTerm;
+use crate::terms::distance::{Distance, Obstacle, bounding_ball};
+use multibody::{Kinematics, Model};
+use nalgebra::Vector3;
+use scene::{Scene, Shape};
+use spatial::Pose;
+
+/// Joints between a link and the root of its limb from which on it swings about: knees, shins, feet, forearms, hands.
+const LIMB: usize = 4;
+/// Distance from which on two such links of different limbs get a row [m].
+const NEAR_LIMBS: f64 = 0.35;
+/// Distance at rest from which on links are so close that less can be demanded than edges stick out of the balls that cover boxes [m].
+const CLOSE: f64 = 0.015;
+/// Distance of neighbouring points on an edge [m].
+const EDGE_STEP: f64 = 0.04;
+/// By how much less than at rest is demanded of two links [m].
+const AT_REST: f64 = 0.0005;
+
+/// One shape of a link: the balls that cover it and the parts that it is.
+#[derive(Debug, Clone, Default)]
+pub(super) struct LinkShape {
+    pub balls: Vec<Ball>,
+    pub parts: Vec<Part>,
+}
+
+impl LinkShape {
+    /// A shape that is placed in the frame of its joint.
+    pub fn new(joint_from_shape: &Pose, shape: &Shape) -> Self {
+        let mut out = Self::default();
+        cover(joint_from_shape, shape, &mut out.balls);
+        parts(joint_from_shape, shape, &mut out.parts);
+        out
+    }
+
+    fn extend(&mut self, other: &Self) {
+        self.balls.extend_from_slice(&other.balls);
+        self.parts.extend_from_slice(&other.parts);
+    }
+}
+
+/// Shapes of two links that must not touch: balls of one and parts of the other.
+#[derive(Debug, Clone)]
+pub(super) struct SelfPair {
+    pub a: usize,
+    pub b: usize,
+    pub balls: Vec<Ball>,
+    pub parts: Vec<Part>,
+    /// A ball around the balls.
+    bound: Ball,
+    /// Their distance in the home posture, and the least of that and at the start [m]; negative: a depth.
+    pub at_home: f64,
+    at_rest: f64,
+    /// What their row says in the home posture or at the start, the less of both [m].
+    row_at_rest: f64,
+    /// Distance from which on they get a row [m].
+    near: f64,
+}
+
+/// Postures that tell which links can come near one another: home, start, all joints at zero.
+struct Postures([Kinematics; 3]);
+
+impl Postures {
+    fn new(scene: &Scene, system: &System) -> Self {
+        let model = &system.model;
+        let start = system.start(scene);
+        let (mut home, mut zero) = (start.clone(), start.clone());
+        let first = model.joints[0].kind.nq();
+        home[first..first + scene.robot.home.len()].copy_from_slice(&scene.robot.home);
+        zero[first..first + scene.robot.home.len()].fill(0.0);
+        Self([&home, &start, &zero].map(|q| {
+            let mut kinematics = Kinematics::new(model);
+            kinematics.update(model, q);
+            kinematics
+        }))
+    }
+
+    /// Do shapes of two links overlap because of how the robot is built.
+    fn are_joined(&self, (a, of_a): (usize, &LinkShape), (b, of_b): (usize, &LinkShape)) -> bool {
+        let [home, _, zero] = &self.0;
+        let overlap = |k: &Kinematics| {
+            let b_from_a = from_link(k, a, b);
+            let mut pairs =
+                (of_a.parts.iter()).flat_map(|x| of_b.parts.iter().map(move |y| (x, y)));
+            pairs.any(|(x, y)| overlap(x, y, &b_from_a))
+        };
+        overlap(home) && overlap(zero)
+    }
+}
+
+/// Points on the edges of boxes, in the frame of their link.
+fn edge_points(parts: &[Part]) -> impl Iterator<Item = Ball> + '_ {
+    parts.iter().flat_map(|part| {
+        let Part::Box(box_from_link, half) = part else {
+            return vec![];
+        };
+        let link_from_box = box_from_link.inverse();
+        let points = edges::along_edges(half, EDGE_STEP, (Vector3::zeros(), f64::INFINITY));
+        let ball = |p: Vector3<f64>| (link_from_box.act(p), edges::POINT);
+        points.into_iter().map(ball).collect()
+    })
+}
+
+/// Pose of one link in the frame of another.
+fn from_link(kinematics: &Kinematics, a: usize, b: usize) -> Pose {
+    kinematics.world_from_joint[b].inverse() * kinematics.world_from_joint[a]
+}
+
+/// Do two parts overlap, as they are.
+fn overlap(of_a: &Part, of_b: &Part, b_from_a: &Pose) -> bool {
+    match (of_a, of_b) {
+        (Part::Ball(centre, radius), Part::Ball(other, other_radius)) => {
+            (b_from_a.act(*centre) - other).norm() < radius + other_radius
+        }
+        (Part::Ball(centre, radius), Part::Box(box_from_b, half)) => {
+            let p = box_from_b.act(b_from_a.act(*centre));
+            (p.abs() - half).map(|out| out.max(0.0)).norm() < *radius
+        }
+        (_, Part::Ball(..)) => overlap(of_b, of_a, &b_from_a.inverse()),
+        (Part::Box(own_from_a, half), Part::Box(other_from_b, other)) => {
+            let there = *other_from_b * *b_from_a * own_from_a.inverse();
+            let (own, other) = (Obstacle::Box(*half), Obstacle::Box(*other));
+            let inside = |of: &Obstacle, to: &Obstacle, x: &Pose| {
+                to.roughly_nearest(&x.origin()) < 0.0 || !edges::nearest(of, to, x, 0.0).is_empty()
+            };
+            inside(&own, &other, &there) || inside(&other, &own, &there.inverse())
+        }
+    }
+}
+
+/// Shapes of links more than two joints apart, but for those that are joined.
+pub(super) fn self_pairs(
+    scene: &Scene,
+    system: &System,
+    shapes: &[Vec<LinkShape>],
+) -> Vec<SelfPair> {
+    let postures = Postures::new(scene, system);
+    let mut out = Vec::new();
+    for a in 0..system.n_robot_joints {
+        for b in 0..a {
+            let Some((up_a, up_b)) = steps_apart(&system.model, a, b) else {
+                continue;
+            };
+            if up_a + up_b <= 2 {
+                continue;
+            }
+            let near = if up_a.min(up_b) >= LIMB {
+                NEAR_LIMBS
+            } else {
+                NEAR
+            };
+            // The cheaper way round.
+            let size = |j: usize, of: &dyn Fn(&LinkShape) -> usize| {
+                shapes[j].iter().map(of).sum::<usize>()
+            };
+            let cost = |a, b| size(a, &|s| s.balls.len()) * size(b, &|s| s.parts.len());
+            let (a, b) = if cost(a, b) <= cost(b, a) {
+                (a, b)
+            } else {
+                (b, a)
+            };
+            for (own, parts) in groups(&postures, (a, &shapes[a]), (b, &shapes[b])) {
+                out.push(SelfPair::new(&postures, (a, own), (b, parts), near));
+            }
+        }
+    }
+    out
+}
+
+/// Shapes of one link with the parts of another that they keep out of: one group but where some shapes are joined.
+fn groups(
+    postures: &Postures,
+    (a, of_a): (usize, &[LinkShape]),
+    (b, of_b): (usize, &[LinkShape]),
+) -> Vec<(LinkShape, Vec<Part>)> {
+    let mut out: Vec<(Vec<bool>, LinkShape)> = Vec::new();
+    for shape in of_a {
+        let apart: Vec<bool> = (of_b.iter())
+            .map(|other| !postures.are_joined((a, shape), (b, other)))
+            .collect();
+        match out.iter_mut().find(|(same, _)| *same == apart) {
+            Some((_, group)) => group.extend(shape),
+            None => out.push((apart, shape.clone())),
+        }
+    }
+    let parts_of = |apart: &[bool]| {
+        let kept = of_b.iter().zip(apart).filter(|(_, apart)| **apart);
+        kept.flat_map(|(shape, _)| shape.parts.clone()).collect()
+    };
+    let groups = out.into_iter().map(|(apart, own)| (own, parts_of(&apart)));
+    let is_empty = |(own, parts): &(LinkShape, Vec<Part>)| own.balls.is_empty() || parts.is_empty();
+    groups.filter(|group| !is_empty(group)).collect()
+}
+
+/// Joints from each of two links up to what carries both.
+fn steps_apart(model: &Model, a: usize, b: usize) -> Option<(usize, usize)> {
+    let path = |j: usize| std::iter::successors(Some(j), |&j| model.joints[j].parent);
+    path(a)
+        .enumerate()
+        .find_map(|(up_a, common)| Some((up_a, path(b).position(|j| j == common)?)))
+}
+
+impl SelfPair {
+    fn new(
+        postures: &Postures,
+        (a, own): (usize, LinkShape),
+        (b, parts): (usize, Vec<Part>),
+        near: f64,
+    ) -> Self {
+        let mut out = Self {
+            a,
+            b,
+            bound: bounding_ball(&own.balls),
+            balls: own.balls.clone(),
+            parts,
+            at_home: f64::NAN,
+            at_rest: f64::NAN,
+            row_at_rest: f64::NAN,
+            near,
+        };
+        out.rest(postures);
+        if out.at_rest < CLOSE {
+            out.cover_edges(&own.parts);
+            out.rest(postures);
+        }
+        out
+    }
+
+    /// Finds distance and row at rest.
+    fn rest(&mut self, postures: &Postures) {
+        let [home, start, _] = &postures.0;
+        self.at_home = self.distance(home);
+        self.at_rest = self.at_home.min(self.distance(start));
+        self.row_at_rest = self.row_says(home).min(self.row_says(start));
+    }
+
+    /// Covers edges of boxes too, which stick out of their balls by up to 15 mm.
+    fn cover_edges(&mut self, own: &[Part]) {
+        let of_b = edge_points(&self.parts);
+        let points = of_b.map(|(centre, radius)| Part::Ball(centre, radius));
+        let points: Vec<Part> = points.collect();
+        self.parts.extend(points);
+        self.balls.extend(edge_points(own));
+        self.bound = bounding_ball(&self.balls);
+    }
+
+    /// Least distance of the shapes, or minus their depth [m].
+    fn distance(&self, kinematics: &Kinematics) -> f64 {
+        let b_from_a = from_link(kinematics, self.a, self.b);
+        let mut least = f64::INFINITY;
+        for (centre, radius) in &self.balls {
+            let p = b_from_a.act(*centre);
+            for part in &self.parts {
+                least = least.min(part.rough_distance(&p) - radius);
+            }
+        }
+        least
+    }
+
+    /// By how much the shapes are apart, or less deep in one another than they may be [m].
+    pub fn beyond_home(&self, kinematics: &Kinematics) -> f64 {
+        self.distance(kinematics) - self.at_home.min(0.0)
+    }
+
+    /// What the row of the pair says in a configuration [m]: up to a few centimetres less than the distance where flat faces lie
+    /// opposite, since there many balls are equally near; infinite far away.
+    pub fn row_says(&self, kinematics: &Kinematics) -> f64 {
+        let (balls, parts) = self.near(&[kinematics]);
+        if balls.is_empty() {
+            return f64::INFINITY;
+        }
+        let row = Distance::new(balls, Obstacle::Parts(parts), Pose::identity(), 0.0);
+        value(&row, &from_link(kinematics, self.a, self.b))
+    }
+
+    /// Distance that can be demanded of the shapes, `wish` if it leaves the robot room: half of that in the home posture, no more
+    /// than at rest.
+    fn distance_demanded(&self, wish: f64) -> f64 {
+        let half = 0.5 * (self.at_home - BLUR).max(0.0);
+        wish.min(half).min(self.at_rest - AT_REST)
+    }
+
+    /// What can be demanded of the row in any configuration, where it may say less than the distance.
+    pub fn clearance(&self, wish: f64) -> f64 {
+        self.distance_demanded(wish).min(self.row_at_rest - AT_REST)
+    }
+
+    /// What can be demanded of the row near a configuration: where it says less than the distance at rest, at least that the shapes
+    /// keep out of one another.
+    fn clearance_near(&self, wish: f64, here: &Kinematics) -> f64 {
+        let (apart, anywhere) = (self.distance_demanded(wish.min(0.0)), self.clearance(wish));
+        if anywhere >= apart {
+            return anywhere;
+        }
+        let says_less = (self.distance(here) - self.row_says(here)).max(0.0);
+        anywhere.max(apart - says_less)
+    }
+
+    /// Balls and parts that come near one another in any of the configurations.
+    fn near(&self, window: &[&Kinematics]) -> (Vec<Ball>, Vec<Part>) {
+        let poses: Vec<Pose> = (window.iter())
+            .map(|k| from_link(k, self.a, self.b))
+            .collect();
+        let near = |(centre, radius): &Ball, part: &Part| {
+            let mut points = poses.iter().map(|x| x.act(*centre));
+            points.any(|p| part.rough_distance(&p) - radius < self.near)
+        };
+        let parts = self.parts.iter();
+        let parts: Vec<Part> = parts
+            .filter(|part| near(&self.bound, part))
+            .cloned()
+            .collect();
+        let balls = self.balls.iter();
+        let balls = balls.filter(|ball| parts.iter().any(|part| near(ball, part)));
+        (balls.copied().collect(), parts)
+    }
+
+    /// The row of the shapes, if they come near one another in any of the configurations.
+    pub fn row(
+        &self,
+        index: usize,
+        window: &[&Kinematics],
+        demanded: &dyn Fn(Says<'_>) -> f64,
+        shared: &mut Shared,
+    ) -> Option<Arc<dyn PoseTerm>> {
+        let (balls, parts) = self.near(window);
+        if balls.is_empty() {
+            return None;
+        }
+        let clearance = demanded(&|k| self.row_says(k));
+        let shapes = (balls, Obstacle::Parts(parts));
+        let row = shared.row((index, None), shapes, Pose::identity(), clearance);
+        Some(Arc::new(row))
+    }
+}
+
+impl CollisionModel {
+    /// Links of the robot against one another.
+    pub(super) fn link_pairs(
+        &self,
+        program: &Program,
+        at: &At<'_>,
+        shared: &mut Shared,
+        out: &mut Vec<Pair>,
+    ) {
+        for (index, pair) in self.self_pairs.iter().enumerate() {
+            let demanded = |_: Says<'_>| match program.grid {
+                Grid::Keyframes | Grid::OpenKeyframes | Grid::State => pair.clearance(-BLUR),
+                _ => pair.clearance_near(
+                    program.settings.margins.self_clearance,
+                    &at.kinematics[at.node],
+                ),
+            };
+            let row = pair.row(index, at.window, &demanded, shared);
+            out.extend(row.map(|term| Pair {
+                place: Place::Node(at.node),
+                a: pair.a,
+                b: Some(pair.b),
+                term,
+            }));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

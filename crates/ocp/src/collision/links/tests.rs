@@ -1,0 +1,116 @@
+use super::super::samples::scene;
+use super::*;
+
+/// Joints of the G1, more than two apart.
+const HAND: &str = "left_wrist_yaw_joint";
+const THIGH: &str = "right_hip_roll_joint";
+
+/// The G1 with two links' shapes alone, placed in the world in the home posture; the first link is the hand.
+fn pairs_of(hand: &[(Pose, Shape)], thigh: &[(Pose, Shape)]) -> Vec<SelfPair> {
+    let scene = scene("");
+    let system = System::new(&scene).unwrap();
+    let postures = Postures::new(&scene, &system);
+    let joint = |name: &str| {
+        let mut joints = system.model.joints.iter();
+        joints.position(|j| j.name == name).unwrap()
+    };
+    let mut shapes = vec![vec![]; system.model.joints.len()];
+    for (name, placed) in [(HAND, hand), (THIGH, thigh)] {
+        let joint_from_world = postures.0[0].world_from_joint[joint(name)].inverse();
+        for (world_from_shape, shape) in placed {
+            shapes[joint(name)].push(LinkShape::new(
+                &(joint_from_world * *world_from_shape),
+                shape,
+            ));
+        }
+    }
+    self_pairs(&scene, &system, &shapes)
+}
+
+fn at(x: f64, y: f64, z: f64) -> Pose {
+    Pose::from_translation(x, y, z)
+}
+
+fn ball(radius: f64) -> Shape {
+    Shape::Sphere { radius }
+}
+
+#[test]
+fn shapes_that_the_robot_joins_leave_the_others_of_their_links_apart() {
+    // Large enough to overlap in whatever posture, small ones 0.1 m apart.
+    let hand = [
+        (at(0.0, 0.0, 1.0), ball(2.0)),
+        (at(3.0, 0.0, 1.0), ball(0.1)),
+    ];
+    let thigh = [
+        (at(0.0, 0.0, 1.0), ball(2.0)),
+        (at(3.3, 0.0, 1.0), ball(0.1)),
+    ];
+    let pairs = pairs_of(&hand, &thigh);
+    let apart = |x: f64, y: f64| {
+        let has = |pair: &&SelfPair| {
+            let ball = |b: &Ball| b.1 == x;
+            let part = |p: &Part| matches!(p, Part::Ball(_, radius) if *radius == y);
+            pair.balls.iter().any(ball) && pair.parts.iter().any(part)
+        };
+        pairs.iter().filter(has).count()
+    };
+    assert_eq!(apart(2.0, 2.0), 0);
+    assert_eq!([apart(0.1, 0.1), apart(2.0, 0.1), apart(0.1, 2.0)], [1; 3]);
+}
+
+#[test]
+fn links_that_overlap_at_home_alone_may_stay_as_deep_and_get_no_deeper() {
+    let depth = 0.01;
+    let hand = [(at(0.0, 0.0, 1.0), ball(0.05))];
+    let thigh = [(at(0.1 - depth, 0.0, 1.0), ball(0.05))];
+    let pairs = pairs_of(&hand, &thigh);
+    let [pair] = &pairs[..] else {
+        panic!("{pairs:?}");
+    };
+    assert!((pair.at_home + depth).abs() < 1e-9, "{pair:?}");
+    for wish in [0.015, -BLUR] {
+        let allowed = -pair.clearance(wish);
+        assert!(
+            allowed > depth && allowed < depth + 2.0 * AT_REST,
+            "{allowed}"
+        );
+    }
+}
+
+#[test]
+fn links_so_close_that_no_row_says_so_keep_out_of_one_another_near_a_configuration() {
+    let (gap, half) = (0.004, 0.1);
+    let cube = || Shape::Box {
+        half_size: Vector3::repeat(half),
+    };
+    let hand = [(at(0.0, 0.0, 1.0), cube())];
+    let pairs = pairs_of(&hand, &[(at(2.0 * half + gap, 0.0, 1.0), cube())]);
+    let [pair] = &pairs[..] else {
+        panic!("{pairs:?}");
+    };
+    let scene = scene("");
+    let system = System::new(&scene).unwrap();
+    let postures = Postures::new(&scene, &system);
+    let home = &postures.0[0];
+    // Balls at edges bulge.
+    assert!(pair.at_home > 0.2 * gap && pair.at_home < gap, "{pair:?}");
+    let says = pair.row_says(home);
+    assert!(says < -0.005, "many balls are equally near: {says}");
+    assert!(pair.clearance(0.015) < says && pair.clearance_near(0.015, home) < says);
+    let mut cover = Vec::new();
+    super::super::cover::cover(&Pose::identity(), &cube(), &mut cover);
+    assert!(pair.balls.len() > cover.len() + 12, "edges have points");
+    // Where fewer are near, more is demanded: as much as keeps the shapes apart.
+    let mut turned = system.start(&scene);
+    let wrist = (system.model.joints.iter())
+        .find(|j| j.name == HAND)
+        .unwrap();
+    turned[wrist.idx_q] += 0.2;
+    let mut here = Kinematics::new(&system.model);
+    here.update(&system.model, &turned);
+    let (distance, demanded) = (pair.distance(&here), pair.clearance_near(0.015, &here));
+    assert!(demanded > pair.clearance(0.015) + 1e-3, "{demanded}");
+    let apart = pair.row_says(&here) - demanded;
+    assert!((apart - distance).abs() < 1e-9, "{apart} {distance}");
+}
