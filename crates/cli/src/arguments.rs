@@ -178,7 +178,7 @@ impl ProblemOptions {
 pub(crate) struct SolveOptions {
     /// Name of a built-in scene (see `locotamp scenes`), or path of a .toml file
     pub scene: String,
-    /// The sequence file (docs/sequence-format.md)
+    /// The sequence file (docs/sequence-format.md), or a plan file whose sequence it is
     #[arg(long, value_name = "FILE")]
     pub sequence: PathBuf,
     /// Folder for plan.json and report.json [default: a fresh one, runs/<date>-<time>-<scene>]

@@ -16,6 +16,7 @@ mod mesh_options;
 mod output;
 mod plan_command;
 mod plan_file;
+mod plan_sequence;
 mod progress;
 mod reasons;
 mod report_command;

@@ -165,6 +165,7 @@ pub(crate) fn run(options: &PlanOptions) -> Result<Exit, Failure> {
         output::result(&format!("{}\n", result_json::write(&finished)));
     } else {
         output::result(&result_text::write(&finished));
+        output::result(&advice(options, &finished));
     }
     if finished.path.is_none() && folder.plan().exists() {
         output::error(&format!(
@@ -175,6 +176,19 @@ pub(crate) fn run(options: &PlanOptions) -> Result<Exit, Failure> {
     let accepted =
         finished.outcome.feasible && finished.verdict.is_some_and(|verdict| verdict.ok());
     Ok(if accepted { Exit::Done } else { Exit::Rejected })
+}
+
+/// What tells why there is no plan.
+fn advice(options: &PlanOptions, finished: &Finished) -> String {
+    match &finished.path {
+        Some(path) if !finished.outcome.feasible => format!(
+            "\nThe plan file holds the sequence that came nearest to a motion. What would give it one (this can take minutes):\n    \
+             locotamp solve {} --sequence {}\n",
+            options.scene,
+            path.display()
+        ),
+        _ => String::new(),
+    }
 }
 
 fn search(options: &PlanOptions, scene: &Scene, folder: &Folder) -> Result<Outcome, Failure> {

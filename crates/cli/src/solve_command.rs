@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::folder::Folder;
 use crate::plan_command::{Verdict, judge, load, tell_notes};
 use crate::progress::Progress;
-use crate::{Exit, interrupt, output, result_json, result_text};
+use crate::{Exit, interrupt, output, plan_sequence, result_json, result_text};
 use locotamp::{Request, Solved, Status};
 use scene::{Scene, Sequence};
 use serde_json::{Value, json};
@@ -40,7 +40,7 @@ pub(crate) fn run(options: &SolveOptions) -> Result<Exit, Failure> {
     if options.problem.no_torque_limits {
         scene.optimiser.torque_limits = false;
     }
-    let sequence = Sequence::load(&options.sequence, &scene)?;
+    let sequence = plan_sequence::load(&options.sequence, &scene)?;
     let folder = Folder::open(options.out.as_deref(), &scene.name)?;
     let finished = solve(options, &scene, &sequence, &folder);
     folder.remove_if_unused();

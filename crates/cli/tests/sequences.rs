@@ -68,6 +68,48 @@ fn a_sequence_becomes_a_plan_and_a_report() {
 }
 
 #[test]
+fn the_sequence_of_a_plan_file_is_solved_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let (code, text, errors) = solve(folder.path(), STAND, &["--no-refine"]);
+    assert_eq!(code, Some(0), "{text}{errors}");
+    let scene = hopper();
+    let arguments = [
+        "solve",
+        scene.to_str().unwrap(),
+        "--sequence",
+        "out/plan.json",
+        "--out",
+        "again",
+    ];
+    let output = locotamp(folder.path(), &arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let read = |path: &str| plan::Plan::read(folder.path().join(path)).unwrap();
+    let contacts = |plan: &plan::Plan| -> Vec<_> {
+        let of_phase = |p: &plan::Phase| {
+            let pairs = p
+                .contacts
+                .iter()
+                .map(|c| (c.a.clone(), c.b.clone(), c.kind));
+            (p.action.clone(), pairs.collect::<Vec<_>>())
+        };
+        plan.phases.iter().map(of_phase).collect()
+    };
+    let (first, again) = (read("out/plan.json"), read("again/plan.json"));
+    assert_eq!(contacts(&first), contacts(&again));
+    // A plan for other names is no plan for this scene.
+    let text = fs::read_to_string(folder.path().join("out/plan.json")).unwrap();
+    fs::write(
+        folder.path().join("other.json"),
+        text.replace("block_top", "slab_top"),
+    )
+    .unwrap();
+    let arguments = ["solve", scene.to_str().unwrap(), "--sequence", "other.json"];
+    let output = locotamp(folder.path(), &arguments);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("slab_top"), "{}", stderr(&output));
+}
+
+#[test]
 fn the_written_motion_has_fine_steps_unless_the_coarse_one_is_asked_for() {
     let folder = tempfile::tempdir().unwrap();
     let one_leg = repository("sequences/flat/one_leg.toml");
