@@ -13,8 +13,9 @@ const MIDDLE: f64 = 3.0;
 /// Longest step of the grid on which a motion must hold to be a plan [s]: with a few long steps per phase a robot may seem to do
 /// what no robot can.
 const HOLDS: f64 = 0.06;
-/// Most iterations for that, in each round.
+/// Most iterations for that, and how many a motion gets beyond while it is nearly solved.
 const HOLDS_ITERATIONS: usize = 150;
+const NEARLY_THERE: usize = 50;
 
 /// Share by which the coarse grid may be longer than that and still count as one between: phases grow a little.
 const NEARLY: f64 = 1.2;
@@ -45,15 +46,21 @@ pub(crate) fn hold(
     (coarse, refinement): (&Motion, Refinement),
     watch: &mut dyn FnMut(&Iteration) -> bool,
 ) -> Motion {
+    let most = settings.max_iterations.min(HOLDS_ITERATIONS);
     let settings = Settings {
-        max_iterations: settings.max_iterations.min(HOLDS_ITERATIONS),
+        max_iterations: most + NEARLY_THERE,
         ..settings.clone()
+    };
+    let mut iterations = 0;
+    let mut watch = |i: &Iteration| {
+        iterations += 1;
+        watch(i) && (iterations <= most || i.violation <= ocp::NEARLY_SOLVED)
     };
     let grid = Refinement {
         max_step: HOLDS,
         ..refinement
     };
-    let mut fine = planner.refine(phases, &settings, coarse, grid, watch);
+    let mut fine = planner.refine(phases, &settings, coarse, grid, &mut watch);
     fine.iterations += coarse.iterations;
     fine.seconds += coarse.seconds;
     fine
