@@ -13,7 +13,7 @@ const MIDDLE: f64 = 3.0;
 /// Longest step of the grid on which a motion must hold to be a plan [s]: with a few long steps per phase a robot may seem to do
 /// what no robot can.
 const HOLDS: f64 = 0.06;
-/// Most iterations for that, and how many a motion gets beyond while it is nearly solved.
+/// Most iterations for that, and how many a motion gets beyond if it is nearly solved then.
 const HOLDS_ITERATIONS: usize = 150;
 const NEARLY_THERE: usize = 50;
 
@@ -51,11 +51,8 @@ pub(crate) fn hold(
         max_iterations: most + NEARLY_THERE,
         ..settings.clone()
     };
-    let mut iterations = 0;
-    let mut watch = |i: &Iteration| {
-        iterations += 1;
-        watch(i) && (iterations <= most || i.violation <= ocp::NEARLY_SOLVED)
-    };
+    let mut goes_on = nearly_there(most);
+    let mut watch = |i: &Iteration| watch(i) & goes_on(i.violation);
     let grid = Refinement {
         max_step: HOLDS,
         ..refinement
@@ -64,6 +61,17 @@ pub(crate) fn hold(
     fine.iterations += coarse.iterations;
     fine.seconds += coarse.seconds;
     fine
+}
+
+/// Does a motion go on, told its violation after each iteration: beyond `most` if it is nearly solved by then, whatever the repair
+/// that follows begins with.
+fn nearly_there(most: usize) -> impl FnMut(f64) -> bool {
+    let (mut iterations, mut nearly) = (0, false);
+    move |violation| {
+        iterations += 1;
+        nearly |= iterations == most && violation <= ocp::NEARLY_SOLVED;
+        iterations < most || nearly
+    }
 }
 
 /// Why a motion does not hold on that grid.
@@ -135,4 +143,23 @@ fn longest_step(motion: &Motion) -> f64 {
     let step = |(duration, &steps): (&f64, &usize)| duration / steps as f64;
     let durations = motion.point.durations.iter();
     durations.zip(steps).map(step).fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Iterations of a motion with these violations, one after the other.
+    fn iterations(violations: &[f64]) -> usize {
+        let mut goes_on = nearly_there(3);
+        let on = violations.iter().take_while(|&&v| goes_on(v)).count();
+        violations.len().min(on + 1)
+    }
+
+    #[test]
+    fn a_motion_that_is_nearly_solved_goes_on_through_its_repair() {
+        let near = ocp::NEARLY_SOLVED / 2.0;
+        assert_eq!(iterations(&[1.0, near, 1.0, near, near]), 3);
+        assert_eq!(iterations(&[1.0, 1.0, near, 1.0, near]), 5);
+    }
 }
