@@ -317,7 +317,7 @@ impl From<IntegratorName> for locotamp::Integrator {
 pub(crate) enum StickingName {
     /// The place of a contact is the same from one node to the next
     Displacement,
-    /// Its velocity along the surface is zero, as in the paper, which drifts by millimetres and more
+    /// Its velocity along the surface is zero, as in the paper, which drifts by millimetres and more; explicit Euler only
     Velocity,
 }
 

@@ -7,18 +7,19 @@ use scene::{Scene, Sequence, SequenceFile};
 use std::fmt::Write;
 use std::path::Path;
 
-/// A sequence file's, or a plan file's if its name ends so.
+/// The sequence of a sequence file or, if its name ends with `.json`, of a plan file.
 pub(crate) fn load(path: &Path, scene: &Scene) -> Result<Sequence, Failure> {
     if path.extension().is_none_or(|extension| extension != "json") {
         return Ok(Sequence::load(path, scene)?);
     }
     let plan = plan_file::read(path)?;
-    let name = path.display().to_string();
+    // Lines of an error are those of the sequence, not of the plan file.
+    let name = format!("sequence of {}", path.display());
     let folder = path.parent().unwrap_or(Path::new(""));
     Ok(SequenceFile::from_toml(&toml(&plan), &name, folder)?.resolve(scene)?)
 }
 
-/// The phases of a plan as a sequence file. What people read in a plan says so in its labels.
+/// The phases of a plan as the text of a sequence file.
 fn toml(plan: &Plan) -> String {
     // Basic strings of TOML are written as those of JSON.
     let quoted = |text: &str| serde_json::Value::from(text).to_string();

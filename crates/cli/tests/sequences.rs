@@ -106,7 +106,9 @@ fn the_sequence_of_a_plan_file_is_solved_again() {
     let arguments = ["solve", scene.to_str().unwrap(), "--sequence", "other.json"];
     let output = locotamp(folder.path(), &arguments);
     assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("slab_top"), "{}", stderr(&output));
+    for part in ["slab_top", "sequence of other.json"] {
+        assert!(stderr(&output).contains(part), "{}", stderr(&output));
+    }
 }
 
 #[test]
@@ -150,12 +152,21 @@ fn the_written_motion_has_fine_steps_unless_the_coarse_one_is_asked_for() {
 }
 
 #[test]
-fn the_paper_has_one_integrator() {
+fn the_paper_and_sticking_by_velocity_have_one_integrator() {
     let folder = tempfile::tempdir().unwrap();
     let more = ["--preset", "paper", "--integrator", "constant-acceleration"];
     let (code, _, errors) = solve(folder.path(), STAND, &more);
     assert_eq!(code, Some(2), "{errors}");
     assert!(errors.contains("explicit Euler only"), "{errors}");
+    let more = [
+        "--sticking",
+        "velocity",
+        "--integrator",
+        "constant-acceleration",
+    ];
+    let (code, _, errors) = solve(folder.path(), STAND, &more);
+    assert_eq!(code, Some(2), "{errors}");
+    assert!(errors.contains("stick by displacement"), "{errors}");
 }
 
 #[test]

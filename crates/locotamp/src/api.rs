@@ -77,7 +77,7 @@ pub struct Request {
     pub max_optimised: usize,
     /// How states follow from one another before refinement; the preset `paper` has explicit Euler only.
     pub integrator: Integrator,
-    /// How contacts stick on the coarse grid.
+    /// How contacts stick on the coarse grid; by velocity with explicit Euler only.
     pub sticking: Sticking,
     /// The finer grid of the returned plan; `None` for the coarse one. The preset `paper` has none.
     pub refinement: Option<Refinement>,
@@ -364,6 +364,12 @@ pub enum Error {
         "the preset `paper` has explicit Euler only (its momentum rows are defined with it); drop the integrator or the preset"
     )]
     PaperIntegrator,
+    /// Sticking and integrator do not go together.
+    #[error(
+        "contacts that stick by velocity drift, and do so with explicit Euler only (the paper's); drop the integrator, or let them \
+         stick by displacement"
+    )]
+    VelocitySticking,
     /// The journal cannot be used.
     #[error("journal {path}: {reason}")]
     Journal {

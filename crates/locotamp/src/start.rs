@@ -50,3 +50,24 @@ pub(crate) fn check_start(scene: &Scene, planner: &Planner<'_>) -> Result<(), Er
         _ => Ok(()),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn links_that_overlap_in_the_home_posture_are_told() {
+        let mut scene = Scene::builtin("pick-place").unwrap();
+        assert_eq!(home_note(&scene).unwrap(), None);
+        let mut joints = scene.robot.model.joints.iter();
+        let roll = joints
+            .position(|j| j.name == "left_shoulder_roll_joint")
+            .unwrap();
+        scene.robot.home[roll] = -0.6;
+        let note = home_note(&scene).unwrap().expect("the arm is in the trunk");
+        assert!(
+            note.contains("mm inside") && note.contains("[home]"),
+            "{note}"
+        );
+    }
+}

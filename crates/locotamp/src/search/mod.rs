@@ -28,7 +28,7 @@ use crate::journal::{Header, Journal, States};
 use crate::start::check_start;
 use diverse::{Diverse, Kept};
 use failures::Failures;
-use ocp::{Ending, Integrator, Phase, Planner, Point, Preset, Relative, Settings};
+use ocp::{Ending, Integrator, Phase, Planner, Point, Preset, Relative, Settings, Sticking};
 use proposals::{Candidate, Work};
 use reward::Rewards;
 use scene::{Owner, Scene};
@@ -195,6 +195,9 @@ fn threads(request: &Request) -> usize {
 pub(crate) fn settings(scene: &Scene, request: &Request) -> Result<Settings, Error> {
     if request.preset == Preset::Paper && request.integrator != Integrator::Euler {
         return Err(Error::PaperIntegrator);
+    }
+    if request.sticking == Sticking::Velocity && request.integrator != Integrator::Euler {
+        return Err(Error::VelocitySticking);
     }
     let settings = Settings::new(request.preset, &scene.optimiser);
     Ok(Settings {

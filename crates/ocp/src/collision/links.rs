@@ -92,13 +92,13 @@ impl Postures {
     /// Do shapes of two links overlap because of how the robot is built.
     fn are_joined(&self, (a, of_a): (usize, &LinkShape), (b, of_b): (usize, &LinkShape)) -> bool {
         let [home, _, zero] = &self.0;
-        let overlap = |k: &Kinematics| {
+        let in_posture = |k: &Kinematics| {
             let b_from_a = from_link(k, a, b);
             let mut pairs =
                 (of_a.parts.iter()).flat_map(|x| of_b.parts.iter().map(move |y| (x, y)));
             pairs.any(|(x, y)| overlap(x, y, &b_from_a))
         };
-        overlap(home) && overlap(zero)
+        in_posture(home) && in_posture(zero)
     }
 }
 
