@@ -131,9 +131,16 @@ pub fn solve(
             late = begin.elapsed().as_secs_f64() > request.time_limit;
             !stopped && !late
         };
-        let coarse = planner.motion(&phases, &settings, &keyframes.nodes, &mut watch);
-        let (motion, falls_short) =
-            held(coarse, &planner, &phases, (&settings, request), &mut watch);
+        let Held {
+            motion,
+            falls_short,
+        } = attempts(
+            &planner,
+            &phases,
+            (&settings, request),
+            &keyframes.nodes,
+            &mut watch,
+        );
         let ended = match (stopped, late) {
             (true, _) => Some("stopped by the caller".to_owned()),
             (_, true) => Some(format!("time limit of {} s", request.time_limit)),
@@ -174,17 +181,52 @@ pub fn solve(
     Ok(solved)
 }
 
+/// A motion on the grid on which it must hold.
+struct Held {
+    motion: Motion,
+    /// True if only that grid has none.
+    falls_short: bool,
+}
+
+/// The motion of a sequence; where a first attempt ends without one, the better of two.
+fn attempts(
+    planner: &Planner,
+    phases: &[Phase],
+    (settings, request): (&Settings, &Request),
+    keyframes: &[Vec<f64>],
+    watch: &mut dyn FnMut(&Iteration) -> bool,
+) -> Held {
+    let asked = (settings, request);
+    let coarse = planner.motion(phases, settings, keyframes, watch);
+    let first = held(coarse, planner, phases, asked, watch);
+    if first.motion.feasible || first.motion.report.status == Status::Interrupted {
+        return first;
+    }
+    let failed = (keyframes, &first.motion);
+    let coarse = planner.second_motion(phases, settings, failed, watch);
+    let second = held(coarse, planner, phases, asked, watch);
+    let nearer = second.motion.report.violation < first.motion.report.violation;
+    if second.motion.feasible || nearer {
+        second
+    } else {
+        first
+    }
+}
+
 /// The motion on the grid on which it must hold, if the request refines motions; the coarse one if that has no solution either,
-/// or is interrupted. True if only the finer grid has none.
+/// or is interrupted.
 fn held(
     coarse: Motion,
     planner: &Planner,
     phases: &[Phase],
     (settings, request): (&Settings, &Request),
     watch: &mut dyn FnMut(&Iteration) -> bool,
-) -> (Motion, bool) {
+) -> Held {
     let Some(refinement) = request.refines().filter(|_| coarse.is_nearly_feasible()) else {
-        return (coarse, false);
+        return Held {
+            motion: coarse,
+            falls_short: false,
+        };
     };
     let fine = refine::hold(planner, phases, settings, (&coarse, refinement), watch);
     let interrupted = fine.report.status == Status::Interrupted;
@@ -195,7 +237,10 @@ fn held(
     } else {
         coarse
     };
-    (motion, falls_short)
+    Held {
+        motion,
+        falls_short,
+    }
 }
 
 /// Keyframes from the sequence alone or, unless that ended hopelessly far from satisfying the contacts, as the search finds

@@ -30,6 +30,9 @@ const REPAIR_PUSH: f64 = 1e-4;
 const FINER_BARRIER: f64 = 0.1;
 const FINEST_BARRIER: f64 = 0.01;
 const FINER_PUSH: f64 = 1e-3;
+/// The same where the usual start has led nowhere.
+const INSIDE_BARRIER: f64 = 0.05;
+const INSIDE_PUSH: f64 = 0.05;
 /// Largest violation of a solution (scaled rows).
 const SOLVED: f64 = 1e-6;
 /// Where a motion may end that is the start of another one: mostly within a few per cent of the least cost.
@@ -147,6 +150,14 @@ impl First {
         }
     }
 
+    /// From a guess that is moved farther inside of all bounds.
+    fn inside() -> Self {
+        let mut first = Self::cold();
+        first.options.initial_barrier = INSIDE_BARRIER;
+        first.options.bound_push = INSIDE_PUSH;
+        first
+    }
+
     /// The solver's options for a program after so many iterations of earlier rounds.
     fn options_of_round(&self, program: &Program, iterations: usize) -> Options {
         let settings = &program.settings;
@@ -237,11 +248,38 @@ impl<'a> Planner<'a> {
         keyframes: &[Vec<f64>],
         observe: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Motion {
+        self.motion_with(phases, settings, keyframes, First::cold(), observe)
+    }
+
+    /// A second attempt, from a start farther inside of all bounds. The solver finds local solutions, and where it ends without
+    /// one is an accident more often than not; the work is that of both attempts.
+    pub fn second_motion(
+        &self,
+        phases: &[Phase],
+        settings: &Settings,
+        (keyframes, failed): (&[Vec<f64>], &Motion),
+        observe: &mut dyn FnMut(&Iteration) -> bool,
+    ) -> Motion {
+        let mut motion = self.motion_with(phases, settings, keyframes, First::inside(), observe);
+        motion.iterations += failed.iterations;
+        motion.seconds += failed.seconds;
+        motion.timing += failed.timing;
+        motion
+    }
+
+    fn motion_with(
+        &self,
+        phases: &[Phase],
+        settings: &Settings,
+        keyframes: &[Vec<f64>],
+        first: First,
+        observe: &mut dyn FnMut(&Iteration) -> bool,
+    ) -> Motion {
         let nodes = self.guide(phases, settings, keyframes);
         let none = Crossings::new();
         let program = self.program(phases, settings, Grid::Motion, near(&nodes, &none));
         let point = guess::point(&program, self.scene, nodes);
-        self.optimise(phases, program, point, First::cold(), observe)
+        self.optimise(phases, program, point, first, observe)
     }
 
     /// The same from a relative ([`Motion::relative`]) if that leads to a motion; `None` if it does not, or if the two share
