@@ -30,9 +30,8 @@ const REPAIR_PUSH: f64 = 1e-4;
 const FINER_BARRIER: f64 = 0.1;
 const FINEST_BARRIER: f64 = 0.01;
 const FINER_PUSH: f64 = 1e-3;
-/// The same where the usual start has led nowhere.
-const INSIDE_BARRIER: f64 = 0.05;
-const INSIDE_PUSH: f64 = 0.05;
+/// Barrier parameter of a second attempt, where the solver's own has led nowhere.
+const SECOND_BARRIER: f64 = 0.1;
 /// Largest violation of a solution (scaled rows).
 const SOLVED: f64 = 1e-6;
 /// Where a motion may end that is the start of another one: mostly within a few per cent of the least cost.
@@ -150,11 +149,10 @@ impl First {
         }
     }
 
-    /// From a guess that is moved farther inside of all bounds.
-    fn inside() -> Self {
+    /// From a guess, a second time: first steps keep farther inside of all bounds.
+    fn second() -> Self {
         let mut first = Self::cold();
-        first.options.initial_barrier = INSIDE_BARRIER;
-        first.options.bound_push = INSIDE_PUSH;
+        first.options.initial_barrier = SECOND_BARRIER;
         first
     }
 
@@ -251,8 +249,8 @@ impl<'a> Planner<'a> {
         self.motion_with(phases, settings, keyframes, First::cold(), observe)
     }
 
-    /// A second attempt, from a start farther inside of all bounds. The solver finds local solutions, and where it ends without
-    /// one is an accident more often than not; the work is that of both attempts.
+    /// A second attempt, on another way: from a larger barrier parameter. The solver finds local solutions, and ends without one
+    /// by accident at times. Work is that of both attempts.
     pub fn second_motion(
         &self,
         phases: &[Phase],
@@ -260,7 +258,7 @@ impl<'a> Planner<'a> {
         (keyframes, failed): (&[Vec<f64>], &Motion),
         observe: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Motion {
-        let mut motion = self.motion_with(phases, settings, keyframes, First::inside(), observe);
+        let mut motion = self.motion_with(phases, settings, keyframes, First::second(), observe);
         motion.iterations += failed.iterations;
         motion.seconds += failed.seconds;
         motion.timing += failed.timing;
@@ -347,6 +345,7 @@ impl<'a> Planner<'a> {
     ) -> Motion {
         let settings = &program.settings.clone();
         let mut crossings = Crossings::new();
+        crossings.earlier.push(point.nodes.clone());
         let mut work = Work::default();
         for round in 0.. {
             let mut trajectory = Trajectory::new(program);
@@ -391,6 +390,7 @@ impl<'a> Planner<'a> {
                         First::after(&trajectory.program, &report, &again)
                     };
                     first.max_iterations = most;
+                    crossings.earlier.push(point.nodes.clone());
                     program = again;
                     continue;
                 }

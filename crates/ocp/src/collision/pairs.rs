@@ -82,6 +82,8 @@ pub(super) struct At<'a> {
     pub(super) node: usize,
     pub(super) kinematics: &'a [Kinematics],
     pub(super) window: &'a [&'a Kinematics],
+    /// These and those of earlier rounds.
+    window_of_edges: &'a [&'a Kinematics],
     since: &'a dyn Fn(usize, Other) -> Option<Since>,
     /// The same where the first one touches an object that touches the other.
     through: &'a dyn Fn(usize, Other) -> Option<Since>,
@@ -125,20 +127,22 @@ impl CollisionModel {
         crossings: &Crossings,
     ) -> Vec<Pair> {
         let model = &program.system.model;
-        let kinematics: Vec<Kinematics> = near
-            .iter()
-            .map(|q| {
+        let at_nodes = |nodes: &[Vec<f64>]| -> Vec<Kinematics> {
+            let at = |q: &Vec<f64>| {
                 let mut kinematics = Kinematics::new(model);
                 kinematics.update(model, q);
                 kinematics
-            })
-            .collect();
+            };
+            nodes.iter().map(at).collect()
+        };
+        let kinematics = at_nodes(near);
+        let earlier: Vec<_> = crossings.earlier.iter().map(|q| at_nodes(q)).collect();
         let n = program.n_intervals();
         let touching: Vec<_> = (0..=n)
             .map(|t| Self::touching(scene, program, phases, t))
             .collect();
         let along = program.along();
-        let window = |t: usize| -> Vec<&Kinematics> {
+        let window = |t: usize| -> Vec<usize> {
             let width = match program.grid {
                 Grid::Motion => {
                     let here = along[t.min(n - 1) + 1] - along[t.min(n - 1)];
@@ -155,7 +159,7 @@ impl CollisionModel {
                 .collect();
             nodes.sort_unstable();
             nodes.dedup();
-            nodes.into_iter().map(|i| &kinematics[i]).collect()
+            nodes
         };
         let leaves = self.leaves(&touching, &along);
         let (mut out, mut shared) = (Vec::new(), Shared::default());
@@ -180,12 +184,16 @@ impl CollisionModel {
                 let objects = program.system.n_robot_joints..model.joints.len();
                 nearest(&|i| objects.clone().any(|o| touches(i, o)))
             };
-            let window = window(t);
+            let nodes = window(t);
+            let window: Vec<_> = nodes.iter().map(|&i| &kinematics[i]).collect();
+            let before = earlier.iter().flat_map(|k| nodes.iter().map(|&i| &k[i]));
+            let window_of_edges: Vec<_> = window.iter().copied().chain(before).collect();
             let points = Self::touching_by_points(scene, program, phases, t);
             let at = At {
                 node: t,
                 kinematics: &kinematics,
                 window: &window,
+                window_of_edges: &window_of_edges,
                 since: &since,
                 through: &through,
                 from_start: &leaves
@@ -274,16 +282,17 @@ impl CollisionModel {
                     None => (self.clearance(program, (a, says), primitive, other, at))
                         .min(MOST_CLEARANCE),
                 };
-                self.obstacle_rows((a, index, at.window), &demanded, shared, &mut push);
+                let near = (a, index, at.window, at.window_of_edges);
+                self.obstacle_rows(near, &demanded, shared, &mut push);
             }
         }
     }
 
     /// Rows of a body and what comes near it of a primitive in any of the configurations: corners and balls, and edges that are
-    /// inside; `push` takes the joint that carries the obstacle, and the row.
+    /// inside in any of the second ones; `push` takes the joint that carries the obstacle, and the row.
     pub(super) fn obstacle_rows(
         &self,
-        (a, index, window): (usize, usize, &[&Kinematics]),
+        (a, index, window, of_edges): (usize, usize, &[&Kinematics], &[&Kinematics]),
         demanded: &dyn Fn(Says<'_>) -> f64,
         shared: &mut Shared,
         push: &mut dyn FnMut(Option<usize>, Arc<dyn PoseTerm>),
@@ -291,7 +300,7 @@ impl CollisionModel {
         let primitive = &self.primitives[index];
         let mut balls = self.balls_near(a, primitive, window);
         for own in self.own(a) {
-            let (of_own, of_other) = self.edges_inside((a, own), primitive, window);
+            let (of_own, of_other) = self.edges_inside((a, own), primitive, of_edges);
             balls.extend(of_own);
             if !of_other.is_empty() {
                 let row = edge_row((a, own), &of_other, demanded);

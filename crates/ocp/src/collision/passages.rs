@@ -31,8 +31,22 @@ pub struct Crossing {
     pub depth: f64,
 }
 
-/// Crossings found so far: by interval, joint of the first body, and the second one.
-pub type Crossings = BTreeMap<(usize, usize, Other), Vec<Crossing>>;
+/// What rounds of solving have found so far, so that rows that mend it stay.
+#[derive(Debug, Default)]
+pub struct Crossings {
+    /// Crossings by interval, joint of the first body, and the second one.
+    pub ways: BTreeMap<(usize, usize, Other), Vec<Crossing>>,
+    /// Configurations per node of earlier rounds. An edge that goes through a face in one of them may do so again if nothing
+    /// keeps it out.
+    pub earlier: Vec<Vec<Vec<f64>>>,
+}
+
+impl Crossings {
+    /// None.
+    pub fn new() -> Self {
+        Self::default()
+    }
+}
 
 impl CollisionModel {
     /// Adds to `known` where bodies are deeper in one another, by more than 2 mm, on the way between neighbouring nodes than
@@ -92,7 +106,7 @@ impl CollisionModel {
             }
             for (pair, crossing) in deepest.into_iter().filter(|(_, c)| c.depth > TOLERANCE) {
                 any = true;
-                let known = known.entry(pair).or_default();
+                let known = known.ways.entry(pair).or_default();
                 if known.iter().all(|c| c.share != crossing.share) {
                     known.push(crossing);
                 }
@@ -112,7 +126,7 @@ impl CollisionModel {
     ) {
         let model = &program.system.model;
         let mut here = Kinematics::new(model);
-        for (&(t, a, other), crossings) in crossings {
+        for (&(t, a, other), crossings) in &crossings.ways {
             let way = model.difference(&nodes[t], &nodes[t + 1]);
             for crossing in crossings {
                 let share = crossing.share;
@@ -128,7 +142,7 @@ impl CollisionModel {
                 let window = [&here];
                 for index in 0..self.primitives.len() {
                     if self.primitives[index].is_of(other) {
-                        let rows = (a, index, &window[..]);
+                        let rows = (a, index, &window[..], &window[..]);
                         self.obstacle_rows(rows, &demanded, shared, &mut |b, term| {
                             out.push(Pair { place, a, b, term });
                         });

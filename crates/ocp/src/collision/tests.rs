@@ -28,7 +28,7 @@ fn a_foot_that_lands_through_the_edge_of_a_block_collides_before_it_lands() {
     };
     let joint = planner.system.model.frames[frame].joint.unwrap();
     let of_foot = |&(&(t, a, _), _): &(&(usize, usize, Other), _)| (t, a) == (landing - 1, joint);
-    let mut of_foot = crossings.iter().filter(of_foot);
+    let mut of_foot = crossings.ways.iter().filter(of_foot);
     let ((.., other), places) = of_foot.next().expect("the foot comes through the edge");
     assert!(places[0].depth > 0.01, "{places:?}");
     // Rows there say so, and demand that it be otherwise.

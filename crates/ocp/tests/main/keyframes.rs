@@ -215,7 +215,7 @@ fn on_fine_grids_the_weight_is_over_the_standing_foot_before_another_one_lands()
             ..settings.clone()
         };
         let nodes = vec![planner.system.start(&scene); 50 * phases.len() + 1];
-        let crossings = std::collections::BTreeMap::default();
+        let crossings = ocp::collision::Crossings::new();
         let near = ocp::collision::Clearances::Near {
             nodes: &nodes,
             crossings: &crossings,
@@ -272,6 +272,37 @@ fn a_rough_motion_misses_little_after_fewer_iterations_and_is_a_start_for_a_fine
     let fine = planner.refine(&phases, &rough, &motion, grid, &mut |_| true);
     assert!(fine.feasible, "{:?}", fine.worst);
     assert!(fine.report.violation <= 1e-5);
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "slow without optimisation")]
+fn a_second_attempt_takes_another_way_to_a_motion_and_counts_the_work_of_the_first() {
+    let (scene, phases, settings) = sequence("flat/cross_step.toml");
+    let planner = Planner::new(&scene).expect("a model");
+    let nodes = planner.keyframes(&phases, &settings).nodes;
+    let cut = Settings {
+        max_iterations: 3,
+        ..settings.clone()
+    };
+    let failed = planner.motion(&phases, &cut, &nodes, &mut |_| true);
+    assert!(!failed.feasible && failed.iterations == 3);
+    let mut barriers = vec![];
+    let again = planner.second_motion(&phases, &settings, (&nodes, &failed), &mut |i| {
+        barriers.push(i.barrier);
+        true
+    });
+    assert!(again.feasible, "{:?}", again.worst);
+    assert_eq!(
+        again.iterations,
+        failed.iterations + again.report.iterations
+    );
+    assert!(again.seconds > failed.seconds);
+    let mut first = None;
+    planner.motion(&phases, &cut, &nodes, &mut |i| {
+        first.get_or_insert(i.barrier);
+        true
+    });
+    assert!(barriers[0] > first.expect("an iteration"));
 }
 
 /// Lowest corner of the soles over what they land on or have left, at the nodes next to those contacts [m].

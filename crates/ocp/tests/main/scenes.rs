@@ -311,7 +311,7 @@ pub fn of_phases(
         grid,
         ocp::collision::Clearances::Near {
             nodes: &nodes,
-            crossings: &std::collections::BTreeMap::default(),
+            crossings: &ocp::collision::Crossings::new(),
         },
     );
     let wrenches = program

@@ -139,12 +139,13 @@ fn no_more_is_demanded_than_a_row_can_say() {
     assert!((most - MOST_CLEARANCE).abs() < 1e-12, "{most}");
 }
 
+/// The edge of a board, 5 cm beside a box, at half of its height, until the box is moved there.
+const BOARD: &str = "[[object]]\nname = \"box\"\nmass = 1.0\nsize = [0.24, 0.24, 0.24]\non = \"ground_top\"\nposition = [0.6, 0.0]\n\
+    [[static]]\nname = \"board\"\nsize = [0.2, 0.6, 0.02]\nposition = [0.87, 0.0, 0.07]";
+
 #[test]
 fn a_board_is_seen_where_it_enters_the_side_of_a_box_between_its_corners() {
-    // The edge of the board is 5 cm beside the box, at half of its height, until the box is moved there.
-    let board = "[[object]]\nname = \"box\"\nmass = 1.0\nsize = [0.24, 0.24, 0.24]\non = \"ground_top\"\nposition = [0.6, 0.0]\n\
-        [[static]]\nname = \"board\"\nsize = [0.2, 0.6, 0.02]\nposition = [0.87, 0.0, 0.07]";
-    let scene = scene(board);
+    let scene = scene(BOARD);
     let planner = Planner::new(&scene).unwrap();
     let (system, collisions) = (&planner.system, &planner.collisions);
     let a = system.object_joint(0);
@@ -163,4 +164,39 @@ fn a_board_is_seen_where_it_enters_the_side_of_a_box_between_its_corners() {
     assert!((-0.02..-0.009).contains(&seen), "10 mm inside: {seen}");
     let (depth, ..) = collisions.deepest(&kinematics, &|_, _| false).unwrap();
     assert!((depth - 0.01).abs() < 1e-3, "{depth}");
+}
+
+#[test]
+fn an_edge_that_was_inside_in_an_earlier_round_keeps_its_points() {
+    let scene = scene(BOARD);
+    let planner = Planner::new(&scene).unwrap();
+    let joints = &planner.system.model.joints;
+    let a = planner.system.object_joint(0);
+    let feet = |c: &symbolic::Contact| scene.interfaces[c.b.0].name == "ground_top";
+    let on_box = scene.interface_id("box_bottom").unwrap();
+    let standing = scene.start_state();
+    let held = standing.iter().filter(|c| feet(c) && c.a != on_box);
+    let phases = [standing.clone(), held.collect()].map(|state| Phase { state, steps: 4 });
+    let start = planner.system.start(&scene);
+    let mut inside = start.clone();
+    inside[joints[a].idx_q] += 0.06;
+    let (outside, inside) = (vec![start; 9], vec![inside; 9]);
+    let settings = Settings::new(Preset::Default, &scene.optimiser);
+    let rows = |nodes: &[Vec<f64>], earlier: &[&Vec<Vec<f64>>]| {
+        let crossings = Crossings {
+            earlier: earlier.iter().copied().cloned().collect(),
+            ..Crossings::new()
+        };
+        let near = || Clearances::Near {
+            nodes,
+            crossings: &crossings,
+        };
+        let program = planner.program(&phases, &settings, Grid::Motion, near());
+        let pairs = (planner.collisions).pairs(&program, &scene, &phases, near());
+        pairs.iter().filter(|pair| pair.a == a).count()
+    };
+    let (never, now) = (rows(&outside, &[]), rows(&inside, &[]));
+    assert!(now > never, "{now} and {never} rows");
+    assert_eq!(rows(&outside, &[&outside]), never);
+    assert_eq!(rows(&outside, &[&outside, &inside]), now);
 }
