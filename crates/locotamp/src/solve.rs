@@ -131,16 +131,9 @@ pub fn solve(
             late = begin.elapsed().as_secs_f64() > request.time_limit;
             !stopped && !late
         };
-        let Held {
-            motion,
-            falls_short,
-        } = attempts(
-            &planner,
-            &phases,
-            (&settings, request),
-            &keyframes.nodes,
-            &mut watch,
-        );
+        let asked = (&settings, request);
+        let held = attempts(&planner, &phases, asked, &keyframes.nodes, &mut watch);
+        let (motion, falls_short) = (held.motion, held.falls_short);
         let ended = match (stopped, late) {
             (true, _) => Some("stopped by the caller".to_owned()),
             (_, true) => Some(format!("time limit of {} s", request.time_limit)),
@@ -188,7 +181,7 @@ struct Held {
     falls_short: bool,
 }
 
-/// The motion of a sequence; where a first attempt ends without one, the better of two.
+/// The motion of a sequence; where a first attempt ends without one, the better of two, with the work of both.
 fn attempts(
     planner: &Planner,
     phases: &[Phase],
@@ -202,15 +195,16 @@ fn attempts(
     if first.motion.feasible || first.motion.report.status == Status::Interrupted {
         return first;
     }
-    let failed = (keyframes, &first.motion);
-    let coarse = planner.second_motion(phases, settings, failed, watch);
+    let coarse = planner.second_motion(phases, settings, keyframes, watch);
     let second = held(coarse, planner, phases, asked, watch);
     let nearer = second.motion.report.violation < first.motion.report.violation;
-    if second.motion.feasible || nearer {
-        second
+    let (mut better, other) = if second.motion.feasible || nearer {
+        (second, first)
     } else {
-        first
-    }
+        (first, second)
+    };
+    better.motion.add_work(&other.motion);
+    better
 }
 
 /// The motion on the grid on which it must hold, if the request refines motions; the coarse one if that has no solution either,

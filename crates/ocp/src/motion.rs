@@ -106,6 +106,13 @@ impl Motion {
         self.feasible || (ended && self.report.violation <= NEARLY_SOLVED)
     }
 
+    /// Counts the work of another attempt too.
+    pub fn add_work(&mut self, other: &Self) {
+        self.iterations += other.iterations;
+        self.seconds += other.seconds;
+        self.timing += other.timing;
+    }
+
     fn new(
         trajectory: Trajectory,
         point: Point,
@@ -250,19 +257,15 @@ impl<'a> Planner<'a> {
     }
 
     /// A second attempt, on another way: from a larger barrier parameter. The solver finds local solutions, and ends without one
-    /// by accident at times. Work is that of both attempts.
+    /// by accident at times.
     pub fn second_motion(
         &self,
         phases: &[Phase],
         settings: &Settings,
-        (keyframes, failed): (&[Vec<f64>], &Motion),
+        keyframes: &[Vec<f64>],
         observe: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Motion {
-        let mut motion = self.motion_with(phases, settings, keyframes, First::second(), observe);
-        motion.iterations += failed.iterations;
-        motion.seconds += failed.seconds;
-        motion.timing += failed.timing;
-        motion
+        self.motion_with(phases, settings, keyframes, First::second(), observe)
     }
 
     fn motion_with(
