@@ -15,6 +15,8 @@ use symbolic::Action;
 
 /// The number that events of [`solve`] carry: there is one sequence.
 const NUMBER: usize = 1;
+/// First barrier parameter of a second attempt.
+const SECOND_BARRIER: f64 = 0.1;
 
 /// What came of the keyframes.
 #[derive(Debug, Clone)]
@@ -195,7 +197,11 @@ fn attempts(
     if first.motion.feasible || first.motion.report.status == Status::Interrupted {
         return first;
     }
-    let coarse = planner.second_motion(phases, settings, keyframes, watch);
+    let another = Settings {
+        first_barrier: SECOND_BARRIER,
+        ..settings.clone()
+    };
+    let coarse = planner.motion(phases, &another, keyframes, watch);
     let second = held(coarse, planner, phases, asked, watch);
     let nearer = second.motion.report.violation < first.motion.report.violation;
     let (mut better, other) = if second.motion.feasible || nearer {

@@ -30,8 +30,6 @@ const REPAIR_PUSH: f64 = 1e-4;
 const FINER_BARRIER: f64 = 0.1;
 const FINEST_BARRIER: f64 = 0.01;
 const FINER_PUSH: f64 = 1e-3;
-/// Barrier parameter of a second attempt, where the solver's own has led nowhere.
-const SECOND_BARRIER: f64 = 0.1;
 /// Largest violation of a solution (scaled rows).
 const SOLVED: f64 = 1e-6;
 /// Where a motion may end that is the start of another one: mostly within a few per cent of the least cost.
@@ -156,10 +154,12 @@ impl First {
         }
     }
 
-    /// From a guess, a second time: first steps keep farther inside of all bounds.
-    fn second() -> Self {
+    /// The same with the barrier parameter that the settings ask for.
+    fn guessed(settings: &Settings) -> Self {
         let mut first = Self::cold();
-        first.options.initial_barrier = SECOND_BARRIER;
+        if settings.first_barrier > 0.0 {
+            first.options.initial_barrier = settings.first_barrier;
+        }
         first
     }
 
@@ -253,34 +253,11 @@ impl<'a> Planner<'a> {
         keyframes: &[Vec<f64>],
         observe: &mut dyn FnMut(&Iteration) -> bool,
     ) -> Motion {
-        self.motion_with(phases, settings, keyframes, First::cold(), observe)
-    }
-
-    /// A second attempt, on another way: from a larger barrier parameter. The solver finds local solutions, and ends without one
-    /// by accident at times.
-    pub fn second_motion(
-        &self,
-        phases: &[Phase],
-        settings: &Settings,
-        keyframes: &[Vec<f64>],
-        observe: &mut dyn FnMut(&Iteration) -> bool,
-    ) -> Motion {
-        self.motion_with(phases, settings, keyframes, First::second(), observe)
-    }
-
-    fn motion_with(
-        &self,
-        phases: &[Phase],
-        settings: &Settings,
-        keyframes: &[Vec<f64>],
-        first: First,
-        observe: &mut dyn FnMut(&Iteration) -> bool,
-    ) -> Motion {
         let nodes = self.guide(phases, settings, keyframes);
         let none = Crossings::new();
         let program = self.program(phases, settings, Grid::Motion, near(&nodes, &none));
         let point = guess::point(&program, self.scene, nodes);
-        self.optimise(phases, program, point, first, observe)
+        self.optimise(phases, program, point, First::guessed(settings), observe)
     }
 
     /// The same from a relative ([`Motion::relative`]) if that leads to a motion; `None` if it does not, or if the two share

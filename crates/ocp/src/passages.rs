@@ -284,12 +284,9 @@ mod tests {
                 at_nodes: 0.0,
                 depth: 0.01,
             };
-            crossings
-                .ways
-                .insert((T, a, Err(0)), vec![of(0.25), of(0.5)]);
-            crossings
-                .ways
-                .extend((0..a).map(|b| ((T, a, Ok(b)), vec![of(0.5)])));
+            let ways = &mut crossings.ways;
+            ways.insert((T, a, Err(0)), vec![of(0.25), of(0.5)]);
+            ways.extend((0..a).map(|b| ((T, a, Ok(b)), vec![of(0.5)])));
         }
         let settings = Settings::new(Preset::Default, &scene.optimiser);
         let clearances = near(&nodes, &crossings);

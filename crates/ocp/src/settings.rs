@@ -239,6 +239,9 @@ pub struct Settings {
     pub lift: f64,
     /// How near to a solution a motion ends.
     pub ending: Ending,
+    /// First barrier parameter of a motion from keyframes; zero: the solver's own. Another one is another way to a motion: the
+    /// solver finds local solutions, and ends without one by accident at times.
+    pub first_barrier: f64,
     /// Iteration limit of one solve.
     pub max_iterations: usize,
     /// Smallest barrier parameter; zero: as small as the solver's own. A motion that solves a barrier problem satisfies every row
@@ -285,6 +288,7 @@ impl Settings {
             between: preset == Preset::Default,
             lift: LIFT,
             ending: Ending::Exact,
+            first_barrier: 0.0,
             max_iterations: options.max_iterations,
             barrier: if preset == Preset::Default {
                 BARRIER
