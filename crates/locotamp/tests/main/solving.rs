@@ -1,6 +1,6 @@
 //! Given sequences.
 
-use locotamp::{Preset, Refinement, Request, Sticking, solve};
+use locotamp::{Event, Preset, Refinement, Request, Sticking, solve};
 use scene::{Scene, Sequence, SequenceFile};
 use std::path::Path;
 
@@ -30,6 +30,32 @@ fn a_long_sequence_has_keyframes_beginning_by_beginning() {
     let plan = solved.best.expect("the motion as far as it got").plan;
     let end = assert_costs_add_up(&plan);
     assert!(end.contains(&"goal".into()), "{end:?}");
+}
+
+#[test]
+fn a_sequence_without_a_motion_is_tried_twice_and_one_with_a_motion_once() {
+    let attempts = |path: &str| {
+        let (scene, sequence) = given(path);
+        let request = Request {
+            explain: false,
+            refinement: None,
+            ..Request::default()
+        };
+        let (mut begun, mut iterations) = (0, 0);
+        let mut observe = |event: &Event| {
+            if let Event::Iteration { iteration, .. } = event {
+                begun += usize::from(*iteration == 0);
+                iterations += usize::from(*iteration > 0);
+            }
+            true
+        };
+        let solved = solve(&scene, &sequence, &request, &mut observe).expect("a planning problem");
+        let motion = solved.motion.expect("keyframes");
+        assert_eq!(motion.iterations, iterations, "those of all attempts");
+        (begun, solved.feasible)
+    };
+    assert_eq!(attempts("weak_leg/stand.toml"), (2, false));
+    assert_eq!(attempts("flat/stand.toml"), (1, true));
 }
 
 /// The costs of a plan by interval and term, with those of the end, are its cost; the names of those of the end.
