@@ -154,7 +154,7 @@ const PHASES_PER_SWING: usize = 2;
 const SWING: f64 = 0.25;
 const REACH: f64 = 0.5;
 /// Swings that [`symbolic::search::default_phases`] already counts: to an object or with it, per foot of the goal, and without
-/// any goal contact.
+/// any goal contact. As many as the last are for a region that goes with goal contacts, however near.
 const SWINGS_OF_OBJECT: usize = 4;
 const SWINGS_OF_FOOT: usize = 2;
 const SWINGS_OF_NOTHING: usize = 4;
@@ -191,7 +191,13 @@ fn far_swings(scene: &Scene) -> usize {
             beyond.max(0.0)
         };
         let way = outside(0).hypot(outside(1));
-        more += swings(way).saturating_sub(SWINGS_OF_NOTHING);
+        more += if scene.goal_contacts.is_empty() {
+            swings(way).saturating_sub(SWINGS_OF_NOTHING)
+        } else if way > 0.0 {
+            swings(way).max(SWINGS_OF_NOTHING)
+        } else {
+            0
+        };
     }
     if scene.goal_contacts.is_empty() && scene.goal_regions.is_empty() {
         let places = scene.interfaces.iter().filter_map(place);
@@ -321,10 +327,11 @@ fn lowness(scene: &Scene) -> BTreeMap<(InterfaceId, InterfaceId), f64> {
     low
 }
 
-/// Sequences end in the first goal state; without goal contacts but with regions or an objective, anywhere.
+/// Sequences end in the first goal state; in any where contacts do not say all of the goal, since more steps may be needed to get
+/// to a region, or further.
 fn ending(scene: &Scene) -> Option<symbolic::Ending> {
-    let open = scene.goal_contacts.is_empty();
-    let anywhere = open && (!scene.goal_regions.is_empty() || scene.objective != Objective::Time);
+    let further = scene.goal_contacts.is_empty() && scene.objective != Objective::Time;
+    let anywhere = further || !scene.goal_regions.is_empty();
     anywhere.then_some(symbolic::Ending::Every)
 }
 
@@ -332,6 +339,24 @@ fn ending(scene: &Scene) -> Option<symbolic::Ending> {
 mod tests {
     use super::*;
     use std::path::Path;
+
+    #[test]
+    fn feet_that_stand_as_the_goal_says_may_walk_to_its_region() {
+        let skeletons_with = |contacts: &str| {
+            let text = format!(
+                "name = \"s\"\nrobot = \"g1\"\n[[static]]\nname = \"ground\"\nplane = true\n[goal]\n{contacts}\n\
+                 [[goal.region]]\nbody = \"base\"\nx = [0.3, 0.4]\n"
+            );
+            let scene = Scene::from_toml(&text, "s.toml", Path::new(".")).expect("a scene");
+            skeletons(&scene).expect("skeletons").limits
+        };
+        let both = skeletons_with(
+            "contacts = [[\"left_foot\", \"ground_top\"], [\"right_foot\", \"ground_top\"]]",
+        );
+        assert_eq!(both, skeletons_with(""));
+        assert_eq!(both.ending, Some(symbolic::Ending::Every));
+        assert_eq!(both.max_phases, Some(9));
+    }
 
     #[test]
     fn two_opposite_patches_can_be_squeezed_by_points_too() {

@@ -16,8 +16,7 @@ impl Model {
     ///
     /// Joints come depth first, children in the order of the file. Fixed joints are merged. Joints that mimic another and
     /// joints of zero range are locked, geometry of unknown kind is skipped, damping and friction of joints are left out; each
-    /// leaves a sentence in [`Model::notes`]. An effort or velocity limit that is missing or zero counts as unlimited, which is
-    /// noted of efforts.
+    /// leaves a sentence in [`Model::notes`]. So does an effort or velocity limit that is missing or zero: it counts as unlimited.
     ///
     /// # Errors
     /// [`ModelError`] for everything that is no tree of rigid bodies with mass; no text makes it panic.
@@ -29,6 +28,7 @@ impl Model {
             frames: Vec::new(),
             notes: description.notes.clone(),
             unlimited: Vec::new(),
+            unlimited_speed: Vec::new(),
         };
         walk.run(&description, &tree, root)?;
         walk.notes
@@ -36,11 +36,16 @@ impl Model {
         let mut model = Model::new(&description.name, walk.joints, walk.frames)
             .map_err(|error| name_the_link(error, &description))?;
         model.notes = walk.notes;
-        if !walk.unlimited.is_empty() {
-            model.notes.push(format!(
-                "no limit on the effort of {}: it is missing or 0 in the URDF; <limit effort=…> sets one [N·m or N]",
-                walk.unlimited.join(", ")
-            ));
+        for (joints, limit, units) in [
+            (walk.unlimited, "effort", "N·m or N"),
+            (walk.unlimited_speed, "velocity", "rad/s or m/s"),
+        ] {
+            if !joints.is_empty() {
+                model.notes.push(format!(
+                    "no limit on the {limit} of {}: it is missing or 0 in the URDF; <limit {limit}=…> sets one [{units}]",
+                    joints.join(", ")
+                ));
+            }
         }
         Ok(model)
     }
@@ -134,8 +139,9 @@ struct Walk {
     joints: Vec<Joint>,
     frames: Vec<Frame>,
     notes: Vec<String>,
-    /// Joints without a limit on their effort.
+    /// Joints without a limit on their effort, and on their velocity.
     unlimited: Vec<String>,
+    unlimited_speed: Vec<String>,
 }
 
 /// A link to be visited.
@@ -224,6 +230,11 @@ impl Walk {
         }
         let limit_or_infinite =
             |value: Option<f64>| value.filter(|x| *x > 0.0).unwrap_or(f64::INFINITY);
+        let velocity = connection.limit.as_ref().map(|limit| limit.velocity);
+        let velocity_limit = limit_or_infinite(velocity);
+        if velocity_limit.is_infinite() {
+            self.unlimited_speed.push(connection.name.clone());
+        }
         let joint = self.push(Joint {
             name: connection.name.clone(),
             kind,
@@ -231,9 +242,7 @@ impl Walk {
             parent_from_joint: carrier_from_child,
             lower,
             upper,
-            velocity_limit: limit_or_infinite(
-                connection.limit.as_ref().map(|limit| limit.velocity),
-            ),
+            velocity_limit,
             torque_limit: limit_or_infinite(Some(effort)),
             ..floating_joint()
         });

@@ -36,7 +36,9 @@ mod start;
 mod torque_speed;
 mod touch;
 mod types;
+mod urdf_text;
 mod values;
+mod velocity_limits;
 
 pub use error::{Fault, SceneError};
 pub use perturb::Perturbation;

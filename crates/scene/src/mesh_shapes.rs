@@ -2,10 +2,15 @@
 //!
 //! The text itself is changed, so that whoever reads a plan sees what was planned with. A link's meshes are those of its collision
 //! elements; if it has none, or only spheres (corner spheres are not a foot), those of its visual elements too.
+//!
+//! Cylinders that are flatter than they are wide become boxes: readers that take cylinders as capsules of the same length make a ball
+//! of their radius of those.
 
 use crate::fit::contains;
 use crate::mesh_path::MeshFolders;
+use crate::robot::CAPSULE_PLAY;
 use crate::split::{Triangle, fit};
+use crate::urdf_text::{Edits, child, children, vector};
 use crate::{Interface, Owner, PlacedShape, Robot, Shape};
 use multibody::{rotation_from_rpy, rpy_from_rotation};
 use nalgebra::Vector3;
@@ -49,6 +54,7 @@ pub(crate) fn with_fitted_shapes(urdf: &str, folders: &MeshFolders) -> MeshShape
     let mut missing = Missing::default();
     let mut fitted_links = 0;
     let mut fitted = Vec::new();
+    let mut discs = 0;
     if let Ok(document) = Document::parse(urdf) {
         for link in children(document.root_element(), "link") {
             let mut parts = read_parts(link, folders, &mut missing);
@@ -62,6 +68,10 @@ pub(crate) fn with_fitted_shapes(urdf: &str, folders: &MeshFolders) -> MeshShape
                 }
                 fitted.extend(part.shapes);
             }
+            for (disc, size) in flat_cylinders(link) {
+                edits.replace(disc.range(), format!("<box size=\"{size}\"/>"));
+                discs += 1;
+            }
         }
     }
     let mut notes = Vec::new();
@@ -71,6 +81,16 @@ pub(crate) fn with_fitted_shapes(urdf: &str, folders: &MeshFolders) -> MeshShape
         notes.push(format!(
             "{fitted_links} links have collision shapes fitted around their meshes: {} boxes, {capsules} capsules",
             fitted.len() - capsules
+        ));
+    }
+    if discs > 0 {
+        notes.push(format!(
+            "{discs} {} around them",
+            if discs == 1 {
+                "cylinder, flatter than wide, is read as the box"
+            } else {
+                "cylinders, flatter than wide, are read as the boxes"
+            }
         ));
     }
     notes.extend(missing.notes());
@@ -133,6 +153,33 @@ fn read_parts(link: Node, folders: &MeshFolders, missing: &mut Missing) -> Vec<P
         }
     }
     parts
+}
+
+/// The cylinders of a link's collision elements that are flatter than they are wide, with the sides of the boxes around them. Not
+/// those of the radius of a ball of the link, which may be a capsule's.
+fn flat_cylinders<'a, 'i>(link: Node<'a, 'i>) -> Vec<(Node<'a, 'i>, String)> {
+    let of_shape = |tag: &'static str| {
+        let elements = children(link, "collision").filter_map(|node| child(node, "geometry"));
+        elements.filter_map(move |geometry| child(geometry, tag))
+    };
+    let length = |node: Node, attribute: &str| -> Option<f64> {
+        node.attribute(attribute)?.trim().parse().ok()
+    };
+    let balls: Vec<f64> = of_shape("sphere")
+        .filter_map(|ball| length(ball, "radius"))
+        .collect();
+    let sides = |cylinder: Node| {
+        let (radius, length) = (length(cylinder, "radius")?, length(cylinder, "length")?);
+        let of_capsule = balls
+            .iter()
+            .any(|ball| (ball - radius).abs() < CAPSULE_PLAY);
+        let flat = length > 0.0 && length < 2.0 * radius && radius.is_finite();
+        let size = Vector3::new(2.0 * radius, 2.0 * radius, length);
+        (flat && !of_capsule).then(|| numbers(&size, 6))
+    };
+    of_shape("cylinder")
+        .filter_map(|cylinder| Some((cylinder, sides(cylinder)?)))
+        .collect()
 }
 
 /// The triangles of an element's mesh in the link's frame, at least one.
@@ -228,43 +275,6 @@ pub(crate) fn give_patches_shapes<'a>(
     }
 }
 
-/// Changes of a text, each of a stretch of it.
-#[derive(Default)]
-struct Edits(Vec<(Range<usize>, String)>);
-
-impl Edits {
-    fn replace(&mut self, range: Range<usize>, text: String) {
-        self.0.push((range, text));
-    }
-
-    /// Adds text to the end of an element of the document `whole`.
-    fn append(&mut self, node: Node, whole: &str, text: String) {
-        let (range, tag) = (node.range(), node.tag_name().name());
-        match whole[range.clone()].strip_suffix("/>") {
-            Some(open) if !node.has_children() => {
-                let end = range.start + open.len();
-                self.replace(end..range.end, format!(">{text}</{tag}>"));
-            }
-            _ => {
-                let before_end = whole[range.clone()].rfind("</").unwrap_or(0);
-                let end = range.start + before_end;
-                self.replace(end..end, text);
-            }
-        }
-    }
-
-    fn apply(mut self, text: &str) -> String {
-        self.0.sort_by_key(|(range, _)| (range.start, range.end));
-        let (mut out, mut done) = (String::new(), 0);
-        for (range, new) in self.0 {
-            out += &text[done..range.start];
-            out += &new;
-            done = range.end;
-        }
-        out + &text[done..]
-    }
-}
-
 /// The collision elements of a shape: URDF has no capsule, so that is a cylinder with a sphere at either end.
 fn element(placed: &PlacedShape) -> String {
     let pose = &placed.body_from_shape;
@@ -313,25 +323,6 @@ fn number(x: f64, decimals: i32) -> String {
     let unit = 10f64.powi(decimals);
     // Adding 0 makes −0 and 0 equal.
     ((x * unit).round() / unit + 0.0).to_string()
-}
-
-fn children<'a, 'i, 't>(
-    node: Node<'a, 'i>,
-    tag: &'t str,
-) -> impl Iterator<Item = Node<'a, 'i>> + use<'a, 'i, 't> {
-    node.children().filter(move |x| x.has_tag_name(tag))
-}
-
-fn child<'a, 'i>(node: Node<'a, 'i>, tag: &str) -> Option<Node<'a, 'i>> {
-    children(node, tag).next()
-}
-
-/// Three finite numbers.
-fn vector(node: Node, attribute: &str) -> Option<Vector3<f64>> {
-    let words = node.attribute(attribute)?.split_whitespace();
-    let numbers: Vec<f64> = words.map(|word| word.parse().ok()).collect::<Option<_>>()?;
-    let vector = Vector3::from_row_slice(numbers.get(..3)?);
-    (numbers.len() == 3 && vector.iter().all(|x| x.is_finite())).then_some(vector)
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use crate::nearest::{list, nearest};
 use crate::parse::parse;
 use crate::source::{At, Place, Source};
 use crate::torque_speed::{TorqueSpeedEntry, set_torque_speed};
+use crate::velocity_limits::with_velocity_limits;
 use crate::{Fault, Interface, PlacedShape, Robot, SceneError, Shape};
 use multibody::{Joint, JointKind, Model, Root};
 use nalgebra::Vector3;
@@ -20,7 +21,7 @@ use std::path::{Path, PathBuf};
 pub(crate) const BASE: usize = 7;
 
 /// The parts of a capsule may miss each other by this much [m].
-const CAPSULE_PLAY: f64 = 1e-4;
+pub(crate) const CAPSULE_PLAY: f64 = 1e-4;
 
 /// A robot file: what a planner needs beside the URDF or MJCF.
 #[derive(Debug, Deserialize)]
@@ -123,7 +124,7 @@ pub(crate) fn load(
     Ok(LoadedRobot {
         robot: Robot {
             name: robot_name,
-            urdf: fitted.urdf,
+            urdf: with_velocity_limits(&fitted.urdf),
             model,
             home,
             shapes,

@@ -88,7 +88,8 @@ fn climb(
     None
 }
 
-/// Bisects between a refused and an accepted value, from the motion of the accepted one on; both ends.
+/// Bisects between a refused and an accepted value, from the motion of the accepted one on, and from keyframes where that leads
+/// nowhere; both ends.
 fn narrow(
     trials: &mut Trials,
     scene: &Scene,
@@ -102,7 +103,12 @@ fn narrow(
             break;
         }
         let changed = knob.with(scene, middle);
-        if let Some(better) = trials.solve(&changed, guide, known.0.as_deref()) {
+        let near = known.0.as_deref();
+        let better = trials.solve(&changed, guide, near);
+        // A motion far from what is wanted is a bad start.
+        let anew = |trials: &mut Trials<'_>| trials.solve(&changed, guide, None);
+        let better = better.or_else(|| near.and_then(|_| anew(trials)));
+        if let Some(better) = better {
             (accepted, known) = (middle, better);
         } else {
             refused = middle;

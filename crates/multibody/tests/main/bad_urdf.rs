@@ -327,6 +327,17 @@ fn an_effort_limit_of_zero_is_none_and_said_and_one_below_is_refused() {
 }
 
 #[test]
+fn a_velocity_limit_of_zero_is_none_and_said() {
+    let still = chain().replace("velocity=\"5\"", "velocity=\"0\"");
+    assert_ne!(still, chain());
+    let model = Model::from_urdf(&still, Root::Floating).expect("unlimited joints");
+    let last = model.joints.last().expect("a joint");
+    assert!(last.velocity_limit.is_infinite());
+    let said = |part: &str| model.notes.iter().any(|note| note.contains(part));
+    assert!(said("no limit on the velocity of j1"), "{:?}", model.notes);
+}
+
+#[test]
 fn no_mutation_of_a_robot_makes_it_panic() {
     let originals = [chain(), include_str!("../oracle/panda.urdf").to_owned()];
     let pieces = [

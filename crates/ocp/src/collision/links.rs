@@ -2,7 +2,8 @@
 //!
 //! Links more than two joints apart keep out of one another, shape by shape: what robots are described by overlaps where links are
 //! joined, which is no collision. Shapes that overlap in the home posture and with all joints at zero are left alone; those that
-//! overlap in the home posture only may do so as deep as there, no deeper.
+//! overlap in the home posture only may do so as deep as there, no deeper. Of a capsule that is joined its elements are looked at, the
+//! cylinder and the balls at its ends, as they are written in URDFs.
 
 use std::sync::Arc;
 
@@ -36,6 +37,8 @@ const AT_REST: f64 = 0.0005;
 pub(super) struct LinkShape {
     pub balls: Vec<Ball>,
     pub parts: Vec<Part>,
+    /// A capsule's balls at its ends, and what is between.
+    elements: Vec<LinkShape>,
 }
 
 impl LinkShape {
@@ -44,6 +47,28 @@ impl LinkShape {
         let mut out = Self::default();
         cover(joint_from_shape, shape, &mut out.balls);
         parts(joint_from_shape, shape, &mut out.parts);
+        if let Shape::Capsule {
+            radius,
+            half_length,
+        } = *shape
+        {
+            let at = |z: f64| *joint_from_shape * Pose::from_translation(0.0, 0.0, z);
+            let ball = Shape::Sphere { radius };
+            let cylinder = Shape::Capsule {
+                radius,
+                half_length: (half_length - radius).max(0.0),
+            };
+            let round = [(at(-half_length), &ball), (at(half_length), &ball)];
+            let elements = round.into_iter().chain([(at(0.0), &cylinder)]);
+            out.elements = elements
+                .map(|(pose, shape)| {
+                    let mut element = Self::default();
+                    cover(&pose, shape, &mut element.balls);
+                    parts(&pose, shape, &mut element.parts);
+                    element
+                })
+                .collect();
+        }
         out
     }
 
@@ -181,14 +206,34 @@ pub(super) fn self_pairs(
     out
 }
 
+/// Shapes of one link, capsules that are joined with a shape of another one taken apart.
+fn taken_apart(
+    postures: &Postures,
+    (a, of_a): (usize, &[LinkShape]),
+    (b, of_b): (usize, &[LinkShape]),
+) -> Vec<LinkShape> {
+    let mut out = Vec::new();
+    for shape in of_a {
+        let joined = |other: &LinkShape| postures.are_joined((a, shape), (b, other));
+        if !shape.elements.is_empty() && of_b.iter().any(joined) {
+            out.extend_from_slice(&shape.elements);
+        } else {
+            out.push(shape.clone());
+        }
+    }
+    out
+}
+
 /// Shapes of one link with the parts of another that they keep out of: one group but where some shapes are joined.
 fn groups(
     postures: &Postures,
     (a, of_a): (usize, &[LinkShape]),
     (b, of_b): (usize, &[LinkShape]),
 ) -> Vec<(LinkShape, Vec<Part>)> {
+    let own = taken_apart(postures, (a, of_a), (b, of_b));
+    let of_b = &taken_apart(postures, (b, of_b), (a, of_a));
     let mut out: Vec<(Vec<bool>, LinkShape)> = Vec::new();
-    for shape in of_a {
+    for shape in &own {
         let apart: Vec<bool> = (of_b.iter())
             .map(|other| !postures.are_joined((a, shape), (b, other)))
             .collect();

@@ -29,8 +29,9 @@ pub(super) const BLUR: f64 = 1.4 * EVENNESS;
 const RAMP: (f64, f64) = (-0.002, 0.008);
 /// How deep what touches by a point alone may be in what it touches, beyond what its point is inside its own link [m].
 const POINT_PLAY: f64 = 0.003;
-/// The most that is demanded at a contact [m].
+/// The most that is demanded at a contact [m], and of the neighbours in the limb of what has it, which do not touch.
 const MOST_AT_CONTACT: f64 = -0.008;
+const MOST_BESIDE_CONTACT: f64 = -0.003;
 /// Share of the clearance that is demanded of a hand and its wrist from what the object that it grasps or places stands on.
 const THROUGH: f64 = 0.25;
 /// Sixteenths of a phase after a body has left where it stands at the start in which what is near there may still be so.
@@ -347,26 +348,38 @@ impl CollisionModel {
                 parts: since.parts + 1.0,
                 ..since
             });
-        let nearest = own
-            .into_iter()
-            .chain(beside)
-            .min_by(|x, y| x.parts.total_cmp(&y.parts));
+        let sooner = |x: &Since, y: &Since| x.parts.total_cmp(&y.parts);
+        let beside = beside.min_by(sooner);
         let rise = |parts: f64| landing::rise(program, at.node, parts).unwrap_or(RAMP.1 * parts);
         let there = |node: usize| says(&at.kinematics[node]) + RAMP.0;
-        let mut demanded = full;
-        if let Some(since) = nearest {
-            demanded = full.min(there(since.node).min(MOST_AT_CONTACT) + rise(since.parts));
-        }
+        let from = |since: Since| there(since.node).min(MOST_AT_CONTACT) + rise(since.parts);
+        let mut demanded = match (own, beside) {
+            (Some(own), beside) if beside.is_none_or(|b| own.parts <= b.parts) => from(own),
+            (_, Some(beside)) => {
+                let overlap = self.depth(a, primitive, &at.kinematics[beside.node]);
+                let without = there(beside.node) + overlap;
+                from(beside).max(without.min(MOST_BESIDE_CONTACT))
+            }
+            _ => full,
+        };
+        demanded = demanded.min(full);
         // Where an object that is held stands, the hand that holds it, and its wrist, is as near as the grasp makes it.
         let limb = self.neighbours[a].iter().copied().chain([a]);
         let through = limb.filter_map(|j| (at.through)(j, other));
-        if let Some(since) = through.min_by(|x, y| x.parts.total_cmp(&y.parts)) {
+        if let Some(since) = through.min_by(sooner) {
             demanded = demanded.min(THROUGH * full + rise(since.parts));
         }
         if at.from_start[a] < FROM_START {
             demanded = demanded.min(there(0) + rise(at.from_start[a].max(0.0)));
         }
         demanded
+    }
+
+    /// How deep the balls of a body are in a primitive [m]; zero if they are outside.
+    fn depth(&self, a: usize, primitive: &Primitive, at: &Kinematics) -> f64 {
+        let x = primitive.pose_of_joint(at, a);
+        let inside = |(c, r): &Ball| r - primitive.obstacle.roughly_nearest(&x.act(*c));
+        self.balls[a].iter().map(inside).fold(0.0, f64::max)
     }
 
     /// Balls of a body that come near a primitive in any of the configurations.

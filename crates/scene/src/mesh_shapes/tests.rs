@@ -239,3 +239,31 @@ fn a_folder_of_meshes_that_is_not_there_is_refused() {
         "{message}, {error:?}"
     );
 }
+
+#[test]
+fn flat_cylinders_become_boxes_and_those_of_capsules_stay() {
+    let collision = |z: f64, geometry: &str| {
+        format!("<collision><origin xyz=\"0 0 {z}\"/><geometry>{geometry}</geometry></collision>")
+    };
+    let cylinder = |length: f64| format!("<cylinder radius=\"0.1\" length=\"{length}\"/>");
+    let disc = robot(&collision(0.5, &cylinder(0.04)));
+    let shapes = fitted(&disc);
+    let [(centre, half)] = boxes(&shapes.urdf)[..] else {
+        panic!("{}", shapes.urdf);
+    };
+    assert!((centre - Vector3::new(0.0, 0.0, 0.5)).norm() < 1e-9);
+    assert!((half - Vector3::new(0.1, 0.1, 0.02)).norm() < 1e-9);
+    assert!(shapes.notes[0].contains("1 cylinder"), "{:?}", shapes.notes);
+    let ball = "<sphere radius=\"0.1\"/>";
+    let capsule = [
+        collision(0.0, &cylinder(0.04)),
+        collision(-0.02, ball),
+        collision(0.02, ball),
+    ];
+    for unchanged in [
+        robot(&collision(0.5, &cylinder(0.3))),
+        robot(&capsule.concat()),
+    ] {
+        assert_eq!(fitted(&unchanged).urdf, unchanged);
+    }
+}

@@ -60,6 +60,31 @@ fn shapes_that_the_robot_joins_leave_the_others_of_their_links_apart() {
 }
 
 #[test]
+fn a_capsule_that_is_joined_at_one_end_keeps_out_with_the_other() {
+    let along_x =
+        nalgebra::Rotation3::from_axis_angle(&Vector3::y_axis(), std::f64::consts::FRAC_PI_2);
+    let capsule = Shape::Capsule {
+        radius: 0.1,
+        half_length: 2.0,
+    };
+    let across = Pose::from_parts(*along_x.matrix(), Vector3::new(4.0, 0.0, 1.0));
+    let pairs = pairs_of(&[(at(0.0, 0.0, 1.0), ball(3.0))], &[(across, capsule)]);
+    let [pair] = &pairs[..] else {
+        panic!("{pairs:?}");
+    };
+    let balls = pair.balls.iter().map(|b| b.1);
+    let parts = pair.parts.iter().map(|part| match part {
+        Part::Ball(_, radius) => *radius,
+        Part::Box(..) => f64::NAN,
+    });
+    let mut radii: Vec<f64> = balls.chain(parts).collect();
+    radii.sort_by(f64::total_cmp);
+    assert_eq!(radii, [0.1, 3.0]);
+    // From the middle of the large ball to the far end.
+    assert!((pair.at_home - (6.0 - 3.0 - 0.1)).abs() < 1e-9, "{pair:?}");
+}
+
+#[test]
 fn links_that_overlap_at_home_alone_may_stay_as_deep_and_get_no_deeper() {
     let depth = 0.01;
     let hand = [(at(0.0, 0.0, 1.0), ball(0.05))];

@@ -1,0 +1,61 @@
+//! Velocity limits that a URDF does not give, written into its text.
+//!
+//! A limit that is missing or zero is none. Readers of a plan take its text at its word, or do not take it at all, so there it says one
+//! that no joint comes to.
+
+use crate::urdf_text::{Edits, child, children};
+use roxmltree::Document;
+
+/// What stands for no limit [rad/s or m/s].
+const NO_LIMIT: &str = "1000";
+
+/// The text of a URDF with a velocity in every `<limit>`. A text that cannot be read is left as it is.
+pub(crate) fn with_velocity_limits(urdf: &str) -> String {
+    let mut edits = Edits::default();
+    if let Ok(document) = Document::parse(urdf) {
+        let joints = children(document.root_element(), "joint");
+        for limit in joints.filter_map(|joint| child(joint, "limit")) {
+            let attribute = limit.attribute_node("velocity");
+            match attribute {
+                Some(given) if is_zero(given.value()) => {
+                    edits.replace(given.range_value(), NO_LIMIT.to_owned());
+                }
+                Some(_) => {}
+                None => {
+                    let name_ends = limit.range().start + "<limit".len();
+                    edits.replace(name_ends..name_ends, format!(" velocity=\"{NO_LIMIT}\""));
+                }
+            }
+        }
+    }
+    edits.apply(urdf)
+}
+
+fn is_zero(text: &str) -> bool {
+    text.trim().parse() == Ok(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limits_without_a_velocity_get_one_and_the_others_stay() {
+        let joint = |limit: &str| format!("<robot><joint name=\"j\">{limit}</joint></robot>");
+        for (before, after) in [
+            (
+                "<limit effort='9'/>",
+                "<limit velocity=\"1000\" effort='9'/>",
+            ),
+            (
+                "<limit velocity=\" 0.0\" effort='9'/>",
+                "<limit velocity=\"1000\" effort='9'/>",
+            ),
+            ("<limit velocity='3'/>", "<limit velocity='3'/>"),
+            ("<axis xyz='0 0 1'/>", "<axis xyz='0 0 1'/>"),
+        ] {
+            assert_eq!(with_velocity_limits(&joint(before)), joint(after));
+        }
+        assert_eq!(with_velocity_limits("<robot"), "<robot");
+    }
+}
