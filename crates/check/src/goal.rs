@@ -38,7 +38,7 @@ pub(crate) fn judge(motion: &Motion, found: &mut Measurements) {
     }
 }
 
-/// Pose of an object, link or interface at the last node, in the world.
+/// Pose of an object, interface or link at the last node, in the world: of a link and an interface of one name the interface.
 fn last_pose<'m>(motion: &'m Motion, body: &str) -> Option<&'m Pose> {
     let last = motion.n_intervals();
     let object = motion
@@ -56,8 +56,8 @@ fn last_pose<'m>(motion: &'m Motion, body: &str) -> Option<&'m Pose> {
             .map(|i| &motion.frames[last][i])
     };
     object
-        .or_else(link)
         .or_else(interface)
+        .or_else(link)
         .map(|frame| &frame.world_from_frame)
 }
 

@@ -1,7 +1,7 @@
 //! The result of a run for people.
 
 use crate::counts::Counts;
-use crate::plan_command::Finished;
+use crate::plan_command::{Finished, Verdict};
 use crate::reasons;
 use locotamp::{Found, Outcome, Quality, Refined, Summary};
 use std::collections::BTreeSet;
@@ -15,7 +15,8 @@ pub(crate) fn write(finished: &Finished) -> String {
     let outcome = &finished.outcome;
     let mut text = String::new();
     if let Some(found) = &outcome.best {
-        text += &motion(&finished.scene, outcome.feasible, found);
+        let kind = kind(outcome.feasible, finished.verdict.as_ref());
+        text += &motion(&finished.scene, kind, found);
     } else {
         let _ = writeln!(text, "{}: no plan", finished.scene);
     }
@@ -72,10 +73,19 @@ fn alternatives(finished: &Finished) -> String {
     text
 }
 
-/// Heading, phases and figures of a motion.
-pub(crate) fn motion(title: &str, feasible: bool, found: &Found) -> String {
+/// What a motion is, with what the checker says about it.
+pub(crate) fn kind(feasible: bool, verdict: Option<&Verdict>) -> &'static str {
+    match verdict {
+        _ if !feasible => "no feasible plan; the best attempt",
+        Some(verdict) if !verdict.ok() => "a plan that the checker rejects",
+        _ => "a feasible plan",
+    }
+}
+
+/// Heading, phases and figures of a motion of this [`kind`].
+pub(crate) fn motion(title: &str, kind: &str, found: &Found) -> String {
     let summary = &found.summary;
-    heading(title, feasible, summary)
+    heading(title, kind, summary)
         + &phases(summary)
         + &figures(summary)
         + &refinement(&found.refined)
@@ -129,12 +139,7 @@ fn quality(quality: &Quality) -> String {
     text
 }
 
-fn heading(scene: &str, feasible: bool, summary: &Summary) -> String {
-    let kind = if feasible {
-        "a feasible plan"
-    } else {
-        "no feasible plan; the best attempt"
-    };
+fn heading(scene: &str, kind: &str, summary: &Summary) -> String {
     let (phases, intervals) = (summary.phases.len(), summary.intervals);
     let plural = if phases == 1 { "" } else { "s" };
     format!(
@@ -189,10 +194,14 @@ fn figures(summary: &Summary) -> String {
         seconds,
         ..
     } = summary;
-    let torque = format!(
-        "{:.0} % of the limit, {joint} at {time:.2} s",
-        ratio * 100.0
-    );
+    let torque = if joint.is_empty() {
+        "no joint has a limit that counts".to_owned()
+    } else {
+        format!(
+            "{:.0} % of the limit, {joint} at {time:.2} s",
+            ratio * 100.0
+        )
+    };
     format!(
         "largest violation  {violation}\nlargest torque     {torque}\noptimiser          {iterations} iterations, {seconds:.1} s, cost \
          {cost:.3}\n"

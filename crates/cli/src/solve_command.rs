@@ -182,7 +182,10 @@ fn text(finished: &Finished, report: &Path) -> String {
     let solved = &finished.solved;
     let title = format!("{}, {}", finished.scene, finished.sequence);
     let mut text = match &solved.best {
-        Some(found) => result_text::motion(&title, solved.feasible, found),
+        Some(found) => {
+            let kind = result_text::kind(solved.feasible, finished.verdict.as_ref());
+            result_text::motion(&title, kind, found)
+        }
         None => format!("{title}: no plan, there are no keyframes\n"),
     };
     if let Some(motion) = &solved.motion {

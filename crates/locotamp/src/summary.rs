@@ -52,6 +52,13 @@ pub(crate) fn body_name(scene: &Scene, system: &System, body: Result<usize, usiz
     }
 }
 
+/// The link that a joint of the robot moves.
+fn link(scene: &Scene, joint: usize) -> String {
+    let model = &scene.robot.model;
+    let moved = model.frames.iter().find(|f| f.joint == Some(joint));
+    moved.map_or_else(|| model.joints[joint].name.clone(), |f| f.name.clone())
+}
+
 /// What a row speaks of: joint, contact, pair of bodies or goal.
 pub(crate) fn subject(scene: &Scene, subject: Subject) -> String {
     let name = |i: symbolic::InterfaceId| scene.interfaces[i.0].name.as_str();
@@ -79,7 +86,7 @@ pub(crate) fn subject(scene: &Scene, subject: Subject) -> String {
         Subject::Pair(a, b) => {
             let body = |j: usize| match j.checked_sub(scene.robot.model.joints.len()) {
                 Some(o) => scene.objects[o].name.clone(),
-                None => scene.robot.model.joints[j].name.clone(),
+                None => link(scene, j),
             };
             format!(
                 "{} and {}",

@@ -5,9 +5,13 @@
 
 use crate::relative::{Body, Carrier};
 use multibody::{Joint, JointKind, Kinematics, Model, ModelError};
-use nalgebra::Vector3;
-use scene::{Interface, Owner, Scene};
+use nalgebra::{Rotation3, Vector3};
+use scene::{Interface, Owner, Role, Scene};
 use spatial::{Inertia, Pose};
+use std::f64::consts::PI;
+
+/// Cosine of the angle up to which a base's z axis counts as upright.
+const UPRIGHT: f64 = 0.8;
 
 /// The system's model and where its parts are.
 #[derive(Debug, Clone)]
@@ -121,6 +125,29 @@ impl System {
         q
     }
 
+    /// Axes of the base whose z points up where the robot stands on its feet in the home posture: the base's own, unless those are far
+    /// from it.
+    pub fn base_from_upright(&self, scene: &Scene) -> Pose {
+        let mut q = self.start(scene);
+        let first = self.model.joints[0].kind.nq();
+        q[..first].copy_from_slice(&Pose::identity().to_xyzquat()[..first]);
+        q[first..first + scene.robot.home.len()].copy_from_slice(&scene.robot.home);
+        let mut kinematics = Kinematics::new(&self.model);
+        kinematics.update(&self.model, &q);
+        let soles = scene.interfaces.iter().filter(|i| i.role == Role::Foot);
+        let down = |sole: &Interface| {
+            let base_from_sole = self.world_from_interface(sole, &kinematics);
+            base_from_sole.rotate(Vector3::z())
+        };
+        let up: Vector3<f64> = soles.map(|sole| -down(sole)).sum();
+        let Some(up) = up.try_normalize(1e-3).filter(|up| up.z < UPRIGHT) else {
+            return Pose::identity();
+        };
+        let turned = Rotation3::rotation_between(&Vector3::z(), &up)
+            .unwrap_or_else(|| Rotation3::from_axis_angle(&Vector3::x_axis(), PI));
+        Pose::from_parts(*turned.matrix(), Vector3::zeros())
+    }
+
     /// First velocity index of each floating body.
     pub fn floating(&self) -> Vec<usize> {
         self.model
@@ -136,5 +163,32 @@ impl System {
         self.model.joints[..self.n_robot_joints]
             .iter()
             .filter(|j| j.kind != JointKind::FreeFlyer)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_base_that_is_built_on_its_side_is_upright_where_its_feet_are_below_it() {
+        let g1 = Scene::builtin("side-step").unwrap();
+        let system = System::new(&g1).unwrap();
+        assert_eq!(system.base_from_upright(&g1), Pose::identity());
+        // The same robot with a base whose y axis points up.
+        let own_from_other = Pose::exp(&nalgebra::Vector6::new(0.0, 0.0, 0.0, -PI / 2.0, 0.0, 0.0));
+        let mut other = g1.clone();
+        for joint in &mut other.robot.model.joints {
+            if joint.parent == Some(0) {
+                joint.parent_from_joint = own_from_other * joint.parent_from_joint;
+            }
+        }
+        let system = System::new(&other).unwrap();
+        let up = system.base_from_upright(&other).rotate(Vector3::z());
+        assert!(
+            (up - own_from_other.rotate(Vector3::z())).norm() < 0.05,
+            "{up}"
+        );
+        assert!(up.z.abs() < 0.05 && up.y.abs() > 0.9, "{up}");
     }
 }

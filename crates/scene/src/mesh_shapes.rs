@@ -79,18 +79,16 @@ pub(crate) fn with_fitted_shapes(urdf: &str, folders: &MeshFolders) -> MeshShape
         let round = |placed: &&PlacedShape| matches!(placed.shape, Shape::Capsule { .. });
         let capsules = fitted.iter().filter(round).count();
         notes.push(format!(
-            "{fitted_links} links have collision shapes fitted around their meshes: {} boxes, {capsules} capsules",
-            fitted.len() - capsules
+            "collision shapes are fitted around the meshes of {}: {}, {}",
+            counted(fitted_links, "link", "links"),
+            counted(fitted.len() - capsules, "box", "boxes"),
+            counted(capsules, "capsule", "capsules"),
         ));
     }
     if discs > 0 {
         notes.push(format!(
-            "{discs} {} around them",
-            if discs == 1 {
-                "cylinder, flatter than wide, is read as the box"
-            } else {
-                "cylinders, flatter than wide, are read as the boxes"
-            }
+            "{} flatter than wide: read as boxes around them",
+            counted(discs, "cylinder is", "cylinders are")
         ));
     }
     notes.extend(missing.notes());
@@ -99,6 +97,10 @@ pub(crate) fn with_fitted_shapes(urdf: &str, folders: &MeshFolders) -> MeshShape
         notes,
         unread: missing.links,
     }
+}
+
+fn counted(n: usize, one: &str, more: &str) -> String {
+    format!("{n} {}", if n == 1 { one } else { more })
 }
 
 impl Missing {

@@ -4,17 +4,22 @@ use crate::fit::contains;
 use crate::{Interface, Owner, Role, Scene};
 use multibody::{Centroidal, Kinematics};
 use nalgebra::{Vector2, Vector3};
+use spatial::Inertia;
 
 /// How far the centre of mass must be outside the soles to be told [m].
 const LEAST: f64 = 1e-3;
 /// How deep inside its own link a hand or foot must be to be told, and how deep one is looked for [mm].
 const SUNK: (u32, u32) = (10, 300);
+/// Share by which the inertia about an axis may exceed that about the other two: what rounding does to a rod's.
+const PLAY: f64 = 0.01;
 
 impl Scene {
     /// What is unusual or left out: of the robot's description, and whether the robot can stand as it starts.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = self.robot.model.notes.clone();
         notes.extend(self.doubts.iter().cloned());
+        notes.extend(self.shapeless());
+        notes.extend(self.impossible_inertias());
         for interface in &self.interfaces {
             let deep = self.inside_own_link(interface);
             if deep > SUNK.0 {
@@ -33,6 +38,53 @@ impl Scene {
             ));
         }
         notes
+    }
+
+    /// Hands and feet on bodies without a shape: nothing keeps them out of what they do not touch, and simulators let them through.
+    fn shapeless(&self) -> Option<String> {
+        let frames = &self.robot.model.frames;
+        let is_bare = |interface: &&Interface| {
+            let Owner::Robot { frame } = interface.owner else {
+                return false;
+            };
+            let mut of_body = frames.iter().zip(&self.robot.shapes);
+            !of_body.any(|(f, shapes)| f.joint == frames[frame].joint && !shapes.is_empty())
+        };
+        let bare: Vec<&str> = (self.interfaces.iter().filter(is_bare))
+            .map(|interface| interface.name.as_str())
+            .collect();
+        (!bare.is_empty()).then(|| {
+            format!(
+                "{} {} no collision shape: nothing keeps what carries {} out of other things, and simulators let it through; give the \
+                 links boxes, spheres, cylinders or meshes as <collision>",
+                bare.join(", "),
+                if bare.len() == 1 { "has" } else { "have" },
+                if bare.len() == 1 { "it" } else { "them" },
+            )
+        })
+    }
+
+    /// Bodies with an inertia that nothing of their mass has.
+    fn impossible_inertias(&self) -> Option<String> {
+        let model = &self.robot.model;
+        let is_impossible = |inertia: &Inertia| {
+            let about = inertia.inertia.symmetric_eigenvalues();
+            let (least, most) = (about.min(), about.max());
+            // The triangle inequality: what is left of the sum of all three.
+            inertia.mass > 0.0 && (least <= 0.0 || about.sum() < (2.0 - PLAY) * most)
+        };
+        let joints = (0..model.joints.len()).filter(|&j| is_impossible(&model.joints[j].inertia));
+        let links: Vec<&str> = joints
+            .filter_map(|j| model.frames.iter().find(|f| f.joint == Some(j)))
+            .map(|f| f.name.as_str())
+            .collect();
+        (!links.is_empty()).then(|| {
+            format!(
+                "no body has an inertia like {}: zero, negative, or one axis more than the other two; it is taken as it is, but \
+                 simulators refuse it",
+                links.join(", ")
+            )
+        })
     }
 
     /// How far it is along the normal of a hand or foot out of its own link, whole millimetres; 0 for what is not the robot's.
@@ -149,6 +201,27 @@ mod tests {
         assert!(
             leaning.len() == 1 && leaning[0].contains("outside the soles"),
             "{leaning:?}"
+        );
+    }
+
+    #[test]
+    fn feet_without_a_shape_and_impossible_inertias_are_told() {
+        let builtin = || Scene::builtin("side-step").unwrap();
+        assert_eq!(builtin().notes(), Vec::<String>::new());
+        let mut bare = builtin();
+        bare.robot.shapes.iter_mut().for_each(Vec::clear);
+        assert!(
+            bare.notes()[0].contains("left_foot, right_foot"),
+            "{:?}",
+            bare.notes()
+        );
+        let mut rod = builtin();
+        rod.robot.model.joints[3].inertia.inertia =
+            nalgebra::Matrix3::from_diagonal(&Vector3::new(1.0, 0.2, 0.3));
+        assert!(
+            rod.notes()[0].contains("left_hip_yaw_link"),
+            "{:?}",
+            rod.notes()
         );
     }
 }

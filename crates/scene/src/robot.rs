@@ -282,7 +282,14 @@ pub(crate) fn set_joints(
             .find(|joint| joint.name == **name && joint.kind != JointKind::FreeFlyer);
         let Some(joint) = named else {
             let known = model.joints.iter().skip(1).map(|joint| joint.name.as_str());
-            return Err(unknown_name(source, name, "robot", "moving joint", known));
+            // One that is locked has a note that says why.
+            let locked = format!("joint {:?} ", **name);
+            let notes = model.notes.iter();
+            let user = notes
+                .map(String::as_str)
+                .find(|note| note.starts_with(&locked));
+            let user = user.unwrap_or("robot");
+            return Err(unknown_name(source, name, user, "moving joint", known));
         };
         let position = source.finite(&format!("position of joint {:?}", joint.name), value)?;
         if position < joint.lower || position > joint.upper {

@@ -40,7 +40,7 @@ impl Builder<'_> {
         };
         let base = Carrier {
             body: Body::Joint(0),
-            body_from_frame: Pose::identity(),
+            body_from_frame: p.system.base_from_upright(self.scene),
         };
         p.frames
             .push(RelativeFrame::new(&p.system.model, base, world));

@@ -88,7 +88,7 @@ fn the_mesh_of_a_collision_element_becomes_a_box_at_its_place_and_scale() {
     assert_near(&half_size, [0.05, 0.1, 0.02]);
     assert!(!fitted.urdf.contains("<mesh"), "{}", fitted.urdf);
     assert!(fitted.unread.is_empty());
-    assert!(fitted.notes[0].contains("1 links have collision shapes"));
+    assert!(fitted.notes[0].contains("the meshes of 1 link: "));
 }
 
 #[test]

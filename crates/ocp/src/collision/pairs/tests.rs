@@ -89,6 +89,58 @@ fn a_foot_that_stands_near_a_wall_need_not_get_away_from_it() {
     assert!(near_wall > 0 && later > 0, "{near_wall} {later}");
 }
 
+#[test]
+fn what_is_beside_a_contact_may_not_overlap_as_it_does_in_the_guide() {
+    let scene = scene("");
+    let planner = Planner::new(&scene).unwrap();
+    let model = &planner.system.model;
+    let shin = model
+        .joints
+        .iter()
+        .position(|j| j.name == "left_knee_joint")
+        .unwrap();
+    let ground = planner
+        .collisions
+        .primitives
+        .iter()
+        .position(|p| p.joint.is_none())
+        .unwrap();
+    let mut sunk = planner.system.start(&scene);
+    let depth = |q: &[f64]| {
+        let mut kinematics = Kinematics::new(model);
+        kinematics.update(model, q);
+        let primitive = &planner.collisions.primitives[ground];
+        planner.collisions.depth(shin, primitive, &kinematics)
+    };
+    while depth(&sunk) < 0.02 {
+        sunk[2] -= 0.005;
+    }
+    let standing = Phase {
+        state: scene.start_state(),
+        steps: 4,
+    };
+    let mut lifted = standing.clone();
+    let left = scene.interface_id("left_foot").unwrap();
+    lifted.state = standing.state.iter().filter(|c| c.a != left).collect();
+    let phases = [standing.clone(), lifted, standing];
+    let nodes = vec![sunk; 13];
+    let none = Crossings::new();
+    let near = || Clearances::Near {
+        nodes: &nodes,
+        crossings: &none,
+    };
+    let settings = Settings::new(Preset::Default, &scene.optimiser);
+    let program = planner.program(&phases, &settings, Grid::Motion, near());
+    let pairs = planner.collisions.pairs(&program, &scene, &phases, near());
+    let of_shin = pairs
+        .iter()
+        .filter(|p| p.a == shin && p.b.is_none() && node(p) > 8);
+    let demanded: Vec<f64> = of_shin.map(|p| p.term.bounds()[0].0).collect();
+    assert!(!demanded.is_empty());
+    // The smooth minimum says up to a few millimetres less than the distance.
+    assert!(demanded.iter().all(|d| *d > -0.012), "{demanded:?}");
+}
+
 /// The demanded clearance of a joint and static bodies, the least at each node of a sequence of the repository at its start,
 /// where `wish` is wanted.
 fn demanded(name: &str, joint: &str, wish: f64) -> (usize, Vec<Option<f64>>) {
