@@ -108,6 +108,7 @@ pub(crate) fn refine(
             violation: i.violation,
             objective: i.objective,
         });
+        stopped |= request.stop.is_set();
         late = begin.elapsed().as_secs_f64() > request.time_limit;
         !stopped && !late
     };

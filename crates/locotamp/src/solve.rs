@@ -181,6 +181,8 @@ struct Held {
     motion: Motion,
     /// True if only that grid has none.
     falls_short: bool,
+    /// True if the caller ended it.
+    stopped: bool,
 }
 
 /// The motion of a sequence; where a first attempt ends without one, the better of two, with the work of both.
@@ -194,7 +196,7 @@ fn attempts(
     let asked = (settings, request);
     let coarse = planner.motion(phases, settings, keyframes, watch);
     let first = held(coarse, planner, phases, asked, watch);
-    if first.motion.feasible || first.motion.report.status == Status::Interrupted {
+    if first.motion.feasible || first.stopped {
         return first;
     }
     let another = Settings {
@@ -224,14 +226,20 @@ fn held(
 ) -> Held {
     let Some(refinement) = request.refines().filter(|_| coarse.is_nearly_feasible()) else {
         return Held {
+            stopped: coarse.report.status == Status::Interrupted,
             motion: coarse,
             falls_short: false,
         };
     };
-    let fine = refine::hold(planner, phases, settings, (&coarse, refinement), watch);
-    let interrupted = fine.report.status == Status::Interrupted;
+    // That grid ends a motion by its own limit too.
+    let mut stopped = false;
+    let mut watch = |i: &Iteration| {
+        stopped |= !watch(i);
+        !stopped
+    };
+    let fine = refine::hold(planner, phases, settings, (&coarse, refinement), &mut watch);
     let was_solved = coarse.feasible || coarse.report.status == Status::Enough;
-    let falls_short = was_solved && !fine.feasible && !interrupted;
+    let falls_short = was_solved && !fine.feasible && !stopped;
     let motion = if fine.feasible || falls_short {
         fine
     } else {
@@ -240,6 +248,7 @@ fn held(
     Held {
         motion,
         falls_short,
+        stopped,
     }
 }
 

@@ -9,8 +9,9 @@ use nalgebra::Vector3;
 use scene::{Interface, Owner, Role, Scene, Shape};
 use spatial::Pose;
 
-/// Distance of places on a surface [m].
+/// Distance of places on a surface [m], and most of them in one direction: on larger surfaces they are farther apart.
 const GRID: f64 = 0.05;
+const MOST_STEPS: usize = 80;
 /// How far an unbounded surface is looked at beyond everything else [m].
 const AROUND: f64 = 0.5;
 /// Cosine of the slope up to which a surface has places.
@@ -162,9 +163,9 @@ fn points_around(scene: &Scene, blocks: &[Block], height: f64) -> Vec<Vector3<f6
     grid.collect()
 }
 
-/// From −`half` to `half` in steps of at most [`GRID`].
+/// From −`half` to `half` in steps of at most [`GRID`], or [`MOST_STEPS`] longer ones.
 fn line(half: f64) -> Vec<f64> {
-    let steps = (2.0 * half / GRID).ceil() as usize;
+    let steps = ((2.0 * half / GRID).ceil() as usize).min(MOST_STEPS);
     let at = |i: usize| -half + 2.0 * half * i as f64 / steps.max(1) as f64;
     (0..=steps).map(at).collect()
 }

@@ -11,7 +11,10 @@ use crate::place::{place_supported, world_pose};
 use crate::robot::{self, LoadedRobot, mesh_folder};
 use crate::source::{At, Source};
 use crate::start::start;
-use crate::{Fault, Object, Scene, SceneError, StaticBody, options, overlap, pace};
+use crate::{
+    Fault, GoalContact, Interface, Object, Owner, Role, Scene, SceneError, StaticBody, options,
+    overlap, pace,
+};
 use nalgebra::Vector3;
 use std::ops::Range;
 use std::path::Path;
@@ -124,6 +127,9 @@ fn build(source: &Source, file: &SceneFile, base_dir: &Path) -> Result<Scene, Sc
     if bare {
         draft.robot.home.copy_from_slice(&start.q[robot::BASE..]);
     }
+    let mut search = options::search(source, &file.search, base_dir)?;
+    search.support_hands |=
+        file.search.support_hands.is_none() && leans_at_end(&goal.contacts, &draft.interfaces);
     let durations = pace::durations(&draft.robot, &draft.interfaces, gravity.norm());
     Ok(Scene {
         name: (*file.name).clone(),
@@ -137,9 +143,20 @@ fn build(source: &Source, file: &SceneFile, base_dir: &Path) -> Result<Scene, Sc
         goal_contacts: goal.contacts,
         goal_regions: goal.regions,
         objective: goal.objective,
-        search: options::search(source, &file.search, base_dir)?,
+        search,
         optimiser: options::optimiser(source, &file.optimiser, durations)?,
         doubts: crate::doubts::doubts(file, gravity),
+    })
+}
+
+/// Does the goal ask for a hand on something fixed.
+fn leans_at_end(goals: &[GoalContact], interfaces: &[Interface]) -> bool {
+    let is_hand = |i: &Interface| matches!(i.owner, Owner::Robot { .. }) && i.role == Role::Hand;
+    let leans =
+        |hand: &Interface, on: &Interface| is_hand(hand) && matches!(on.owner, Owner::Static(_));
+    goals.iter().any(|goal| {
+        let [a, b] = [goal.a, goal.b].map(|i| &interfaces[i.0]);
+        leans(a, b) || leans(b, a)
     })
 }
 

@@ -7,7 +7,7 @@ use ocp::Motion;
 use scene::Scene;
 
 /// Sizes of the changes by which a value goes further when the full problem refuses it.
-const FURTHER: [f64; 3] = [0.0, 0.15, 0.5];
+const FURTHER: [f64; 4] = [0.0, 0.05, 0.15, 0.5];
 /// Overloaded joints that are tried alone.
 const MOST_JOINTS: usize = 3;
 

@@ -1,6 +1,7 @@
 //! Solves of changed scenes, exactly as a user would solve them.
 
 use crate::api::{Event, Request};
+use crate::refine;
 use crate::search;
 use crate::start::check_start;
 use ocp::{Ending, Keyframes, Motion, Phase, Planner};
@@ -34,7 +35,7 @@ pub(super) enum Effort {
     Keyframes,
     /// Keyframes and a motion with few intervals per phase.
     Coarse,
-    /// Keyframes and motion as the sequence says.
+    /// Keyframes and motion as the sequence says, on the grid on which it must hold if it is to be refined.
     Full,
 }
 
@@ -109,6 +110,7 @@ impl<'a> Trials<'a> {
                 phase.steps = phase.steps.min(COARSE_STEPS);
             }
         }
+        let grid = self.request.refines().filter(|_| effort == Effort::Full);
         let mut go_on = |i: &Iteration| self.go_on(i.number);
         if let Some(near) = near {
             let motion = planner.motion_near(&phases, &settings, near, &mut go_on);
@@ -120,7 +122,10 @@ impl<'a> Trials<'a> {
         if !possible || effort == Effort::Keyframes {
             return possible.then_some(Success(None));
         }
-        let motion = planner.motion(&phases, &settings, &nodes, &mut go_on);
+        let mut motion = planner.motion(&phases, &settings, &nodes, &mut go_on);
+        if let Some(grid) = grid.filter(|_| motion.feasible) {
+            motion = refine::hold(&planner, &phases, &settings, (&motion, grid), &mut go_on);
+        }
         motion.feasible.then(|| Success(Some(Box::new(motion))))
     }
 

@@ -1,6 +1,6 @@
 //! What lies ahead: the least cost from every node of a small part of the graph to an end, as far as is known.
 //!
-//! The part has no supporting hands: its nodes are the skeleton positions with all places of the feet. Its costs are those of
+//! The part has no supporting hands but those of the goal: its nodes are the skeleton positions with all places of the feet. Its costs are those of
 //! the search. States and transitions that the oracle rejected are left out, and before the first sequence the oracle is
 //! asked about the states along the best way until all of them are accepted. So a search for a high place does not come
 //! back again and again to a step that no leg can do, and finds out that a box must be moved before it helps.
@@ -177,12 +177,14 @@ impl Outlook {
     }
 }
 
-/// The contacts of a node without those of supporting hands.
+/// The contacts of a node without those of supporting hands that are not of the goal.
 fn plain(graph: &SkeletonGraph, node: Node) -> ContactState {
     let imposed = graph.imposed(node.position);
     let domain = graph.domain();
     let counts = |c: &crate::contact::Contact| {
+        let mut goals = graph.goal().pairs.iter();
         imposed.contains(c)
+            || goals.any(|pair| (pair.a, pair.b) == (c.a, c.b) || (pair.b, pair.a) == (c.a, c.b))
             || domain.is_effector(c.a, Role::Foot)
             || domain.object_of(c.a).is_some()
     };
