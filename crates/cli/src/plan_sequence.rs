@@ -7,9 +7,15 @@ use scene::{Scene, Sequence, SequenceFile};
 use std::fmt::Write;
 use std::path::Path;
 
+/// True if a file is named as a plan, not as a sequence.
+pub(crate) fn is_plan(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|extension| extension == "json")
+}
+
 /// The sequence of a sequence file or, if its name ends with `.json`, of a plan file.
 pub(crate) fn load(path: &Path, scene: &Scene) -> Result<Sequence, Failure> {
-    if path.extension().is_none_or(|extension| extension != "json") {
+    if !is_plan(path) {
         return Ok(Sequence::load(path, scene)?);
     }
     let plan = plan_file::read(path)?;

@@ -6,7 +6,7 @@ use crate::folder::Folder;
 use crate::plan_command::{Verdict, judge, load, tell_notes};
 use crate::progress::Progress;
 use crate::{Exit, interrupt, output, plan_sequence, result_json, result_text};
-use locotamp::{Request, Solved, Status};
+use locotamp::{Request, Solved, Status, with_places_to_leave};
 use scene::{Scene, Sequence};
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -39,6 +39,10 @@ pub(crate) fn run(options: &SolveOptions) -> Result<Exit, Failure> {
     tell_notes(&scene, options.quiet)?;
     if options.problem.no_torque_limits {
         scene.optimiser.torque_limits = false;
+    }
+    if plan_sequence::is_plan(&options.sequence) {
+        // The search names some surfaces twice.
+        scene = with_places_to_leave(&scene).unwrap_or(scene);
     }
     let sequence = plan_sequence::load(&options.sequence, &scene)?;
     let folder = Folder::open(options.out.as_deref(), &scene.name)?;

@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::plan_command::load;
 use crate::symbols_graph::Graph;
 use crate::{Exit, output, symbols_text};
-use locotamp::Impossible;
+use locotamp::{Impossible, with_places_to_leave};
 use scene::Scene;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -82,6 +82,7 @@ impl Symbols {
 /// Prints the symbolic problem of a scene and writes its graphs and PDDL files, if asked for.
 pub(crate) fn run(options: &SymbolsOptions) -> Result<Exit, Failure> {
     let scene = load(&options.scene)?;
+    let scene = with_places_to_leave(&scene).unwrap_or(scene);
     if let Some(folder) = &options.pddl {
         write_pddl(&scene, folder)?;
     }

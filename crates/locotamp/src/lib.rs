@@ -6,6 +6,7 @@
 
 mod api;
 mod checks;
+mod departures;
 mod domain;
 mod explain;
 mod export;
@@ -23,6 +24,7 @@ pub use api::{
     Alternative, Attempt, Error, Event, Found, Impossible, Outcome, Reached, Refusal, Request,
     Search, Stop,
 };
+pub use departures::with_places_to_leave;
 pub use domain::{Skeletons, domain, pddl, skeletons};
 pub use ocp::{Integrator, Preset, Refinement, Sticking};
 pub use plan::Explanation;

@@ -23,9 +23,9 @@ use std::time::Instant;
 
 use crate::api::{Attempt, Error, Event, Found, Outcome, Request, Search};
 use crate::checks::Checks;
-use crate::domain;
 use crate::journal::{Header, Journal, States};
 use crate::start::check_start;
+use crate::{departures, domain};
 use diverse::{Diverse, Kept};
 use failures::Failures;
 use ocp::{Ending, Integrator, Phase, Planner, Point, Preset, Relative, Settings, Sticking};
@@ -68,6 +68,8 @@ pub fn plan(
     observe: &mut dyn FnMut(&Event) -> bool,
 ) -> Result<Outcome, Error> {
     let begin = Instant::now();
+    let changed = departures::with_places_to_leave(scene);
+    let scene = changed.as_ref().unwrap_or(scene);
     let planner = Planner::new(scene)?;
     check_start(scene, &planner)?;
     let domain::Skeletons {
