@@ -8,7 +8,7 @@ use crate::api::Error;
 use ocp::Point;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::fs::{File, OpenOptions};
+use std::fs::{self, File, OpenOptions};
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 
@@ -211,8 +211,12 @@ pub(crate) struct Journal {
     sequences: BTreeMap<States, Tried>,
 }
 
+/// Name of the journal of the run before, if a new one begins in its folder.
+const EARLIER: &str = "journal-before.jsonl";
+
 impl Journal {
-    /// Opens the journal at `path`: a new one, or with `resume` the one that is there, whose answers are read.
+    /// Opens the journal at `path`: a new one, or with `resume` the one that is there, whose answers are read. One that is in the way
+    /// of a new one gets the name [`EARLIER`].
     ///
     /// # Errors
     /// If the file cannot be used, or is of another problem.
@@ -226,6 +230,9 @@ impl Journal {
         let known = resume && path.exists();
         if known {
             whole = journal.read(path, header).map_err(failed)?;
+        } else if path.exists() {
+            // Hours of work, maybe: who forgot to ask for them can still have them.
+            fs::rename(path, path.with_file_name(EARLIER)).map_err(|e| failed(e.to_string()))?;
         }
         let file = OpenOptions::new()
             .create(true)
@@ -401,12 +408,15 @@ mod tests {
     }
 
     #[test]
-    fn the_journal_of_another_problem_is_refused_and_without_resuming_overwritten() {
+    fn the_journal_of_another_problem_is_refused_and_without_resuming_put_aside() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("journal.jsonl");
         drop(Journal::open(&path, false, &header("x")));
+        let before = fs::read_to_string(&path).expect("text");
         let error = Journal::open(&path, true, &header("y")).expect_err("another scene");
         assert!(error.to_string().contains("of another run"), "{error}");
         Journal::open(&path, false, &header("y")).expect("a new one");
+        let aside = fs::read_to_string(path.with_file_name(EARLIER)).expect("the earlier one");
+        assert_eq!(aside, before);
     }
 }
