@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::fixtures::{bottom, contact, handle, id, robot, standing, surface};
+use crate::fixtures::{bottom, contact, handle, id, one_box, robot, standing, surface};
+use symbolic::search::AcceptAll;
 use symbolic::{
     Anew, Contact, ContactState, Costs, Domain, Goal, GraphOptions, Interface, Oracle, Owner,
     Policy, SearchLimits, Sequence, SkeletonGraph, Status, TreeSearch, Verdict,
@@ -252,4 +253,21 @@ fn a_goal_that_nothing_leads_to_ends_the_search_at_once() {
     assert_eq!(search.next(&mut never), None);
     assert_eq!(search.status(), Status::Exhausted);
     assert!(search.counts().created < 10, "{:?}", search.counts());
+}
+
+#[test]
+fn a_hand_that_the_goal_wants_on_something_fixed_is_a_way_to_the_end() {
+    let domain = one_box(1);
+    let goal = Goal::of_pairs([(id(&domain, "left_hand"), id(&domain, "table_a_top"))]);
+    let options = GraphOptions {
+        support_hands: true,
+        ..GraphOptions::default()
+    };
+    let start = standing(&domain, "red_box_bottom on table_a_top");
+    let wanted = contact(&domain, "left_hand", "table_a_top");
+    let graph = SkeletonGraph::new(domain, start, goal, options).expect("a problem");
+    let limits = SearchLimits::default();
+    let mut search = TreeSearch::new(graph, &limits, Costs::default(), 0).with_outlook();
+    let sequence = search.next(&mut AcceptAll).expect("a sequence");
+    assert!(sequence.states.last().is_some_and(|s| s.contains(&wanted)));
 }
