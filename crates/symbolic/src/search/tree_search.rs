@@ -87,7 +87,7 @@ impl TreeSearch {
         self
     }
 
-    /// Has the search look ahead ([`Outlook`]), if that part of the graph is not too large; after the costs are given.
+    /// Has the search look ahead (`Outlook`), if that part of the graph is not too large; after the costs are given.
     #[must_use]
     pub fn with_outlook(mut self) -> Self {
         let expansion = &mut self.walker.expansion;
