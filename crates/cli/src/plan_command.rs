@@ -295,3 +295,21 @@ pub(crate) fn judge(plan: &Plan, path: &Path) -> Result<Verdict, Failure> {
             })?;
     Ok(Verdict::of(&written))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::result_text::kind;
+
+    #[test]
+    fn a_plan_that_the_checker_rejects_is_not_called_feasible() {
+        let verdict = |failed: &[&'static str]| Verdict {
+            failed: failed.to_vec(),
+            judged: 40,
+        };
+        assert_eq!(kind(true, Some(&verdict(&[]))), "a feasible plan");
+        let rejected = kind(true, Some(&verdict(&["torque"])));
+        assert_eq!(rejected, "a plan that the checker rejects");
+        assert!(kind(false, None).starts_with("no feasible plan"));
+    }
+}

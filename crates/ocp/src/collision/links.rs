@@ -44,9 +44,7 @@ pub(super) struct LinkShape {
 impl LinkShape {
     /// A shape that is placed in the frame of its joint.
     pub fn new(joint_from_shape: &Pose, shape: &Shape) -> Self {
-        let mut out = Self::default();
-        cover(joint_from_shape, shape, &mut out.balls);
-        parts(joint_from_shape, shape, &mut out.parts);
+        let mut out = Self::whole(joint_from_shape, shape);
         if let Shape::Capsule {
             radius,
             half_length,
@@ -54,21 +52,21 @@ impl LinkShape {
         {
             let at = |z: f64| *joint_from_shape * Pose::from_translation(0.0, 0.0, z);
             let ball = Shape::Sphere { radius };
-            let cylinder = Shape::Capsule {
+            let between = Shape::Capsule {
                 radius,
                 half_length: (half_length - radius).max(0.0),
             };
-            let round = [(at(-half_length), &ball), (at(half_length), &ball)];
-            let elements = round.into_iter().chain([(at(0.0), &cylinder)]);
-            out.elements = elements
-                .map(|(pose, shape)| {
-                    let mut element = Self::default();
-                    cover(&pose, shape, &mut element.balls);
-                    parts(&pose, shape, &mut element.parts);
-                    element
-                })
-                .collect();
+            let elements = [(-half_length, &ball), (half_length, &ball), (0.0, &between)];
+            out.elements = elements.map(|(z, shape)| Self::whole(&at(z), shape)).into();
         }
+        out
+    }
+
+    /// The same without its elements.
+    fn whole(joint_from_shape: &Pose, shape: &Shape) -> Self {
+        let mut out = Self::default();
+        cover(joint_from_shape, shape, &mut out.balls);
+        parts(joint_from_shape, shape, &mut out.parts);
         out
     }
 

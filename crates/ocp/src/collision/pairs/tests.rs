@@ -11,6 +11,14 @@ fn node(pair: &Pair) -> usize {
     }
 }
 
+/// The start, and the same without the left foot's contact.
+fn standing_and_lifted(scene: &Scene, steps: usize) -> [Phase; 2] {
+    let left = scene.interface_id("left_foot").unwrap();
+    let state = scene.start_state();
+    let lifted = state.iter().filter(|c| c.a != left).collect();
+    [state, lifted].map(|state| Phase { state, steps })
+}
+
 #[test]
 fn links_that_are_near_one_another_at_the_start_may_stay_as_near() {
     let mut scene = scene("");
@@ -46,14 +54,7 @@ fn a_foot_that_stands_near_a_wall_need_not_get_away_from_it() {
     let wall = "[[static]]\nname = \"wall\"\nsize = [0.02, 0.4, 0.03]\nposition = [0.131, 0.2, 0.015]\ntop = false";
     let scene = scene(wall);
     let planner = Planner::new(&scene).unwrap();
-    let standing = Phase {
-        state: scene.start_state(),
-        steps: 8,
-    };
-    let mut lifted = standing.clone();
-    let left = scene.interface_id("left_foot").unwrap();
-    lifted.state = standing.state.iter().filter(|c| c.a != left).collect();
-    let phases = [standing, lifted];
+    let phases = standing_and_lifted(&scene, 8);
     let start = planner.system.start(&scene);
     let nodes = vec![start; 17];
     let none = Crossings::new();
@@ -115,13 +116,7 @@ fn what_is_beside_a_contact_may_not_overlap_as_it_does_in_the_guide() {
     while depth(&sunk) < 0.02 {
         sunk[2] -= 0.005;
     }
-    let standing = Phase {
-        state: scene.start_state(),
-        steps: 4,
-    };
-    let mut lifted = standing.clone();
-    let left = scene.interface_id("left_foot").unwrap();
-    lifted.state = standing.state.iter().filter(|c| c.a != left).collect();
+    let [standing, lifted] = standing_and_lifted(&scene, 4);
     let phases = [standing.clone(), lifted, standing];
     let nodes = vec![sunk; 13];
     let none = Crossings::new();
