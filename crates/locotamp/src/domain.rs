@@ -215,17 +215,39 @@ const LOW: f64 = 100.0;
 /// Cost of a foot set on a wall or a slope: as much as four swings [phases].
 const STEEP: f64 = 8.0;
 
+/// Cost of ending with a foot in the air where the goal says how high one is [phases]: as much as the landing that it saves.
+const RAISED: f64 = 1.0;
+
 /// Costs by which sequences are ordered. Where the base is to get high, new surfaces and manipulation are what may help.
 pub(crate) fn costs(scene: &Scene) -> Costs {
-    if scene.objective != Objective::BaseHeight {
-        return Costs::default();
+    let mut costs = Costs::default();
+    if scene.objective == Objective::BaseHeight {
+        costs = Costs {
+            new_surface: 0.0,
+            detour: 0.0,
+            turn: 0.0,
+            ..costs
+        };
     }
-    Costs {
-        new_surface: 0.0,
-        detour: 0.0,
-        turn: 0.0,
-        ..Costs::default()
+    if raises_a_foot(scene) {
+        costs.end_in_swing = RAISED;
     }
+    costs
+}
+
+/// True if a region of the goal says how high a foot is at least.
+fn raises_a_foot(scene: &Scene) -> bool {
+    let is_foot = |body: &String| {
+        let of_foot = |i: &scene::Interface| match i.owner {
+            Owner::Robot { frame } if i.role == Role::Foot => {
+                i.name == *body || scene.robot.model.frames[frame].name == *body
+            }
+            _ => false,
+        };
+        scene.interfaces.iter().any(of_foot)
+    };
+    let mut regions = scene.goal_regions.iter();
+    regions.any(|region| region.lower.z.is_finite() && is_foot(&region.body))
 }
 
 /// Costs beside these: where the base is to get high, of ending low.
@@ -356,6 +378,28 @@ mod tests {
         assert_eq!(both, skeletons_with(""));
         assert_eq!(both.ending, Some(symbolic::Ending::Every));
         assert_eq!(both.max_phases, Some(9));
+    }
+
+    #[test]
+    fn ending_with_a_foot_in_the_air_costs_little_where_the_goal_raises_one() {
+        let end_in_swing = |region: &str| {
+            let text = format!(
+                "name = \"s\"\nrobot = \"g1\"\n[[static]]\nname = \"ground\"\nplane = true\n[[goal.region]]\n{region}\n"
+            );
+            let scene = Scene::from_toml(&text, "s.toml", Path::new(".")).expect("a scene");
+            costs(&scene).end_in_swing
+        };
+        let usual = Costs::default().end_in_swing;
+        let interface = end_in_swing("body = \"right_foot\"\nz = [0.3, 0.4]");
+        assert!(interface < usual);
+        let link = end_in_swing("body = \"right_ankle_roll_link\"\nz = [0.3, 0.4]");
+        assert_eq!(link, interface);
+        for region in [
+            "body = \"right_foot\"\nx = [0.3, 0.4]",
+            "body = \"base\"\nz = [0.5, 0.6]",
+        ] {
+            assert_eq!(end_in_swing(region), usual);
+        }
     }
 
     #[test]
