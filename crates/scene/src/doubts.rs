@@ -28,11 +28,28 @@ pub(crate) fn doubts(file: &SceneFile, gravity: Vector3<f64>) -> Vec<String> {
         doubts.extend(yaw(&what, entry.yaw.as_ref()));
         doubts.extend(size(&what, entry.size.as_ref(), &entry.shape));
     }
+    let goal = file.goal.as_deref();
+    for entry in goal.into_iter().flat_map(|goal| &goal.region) {
+        let what = format!("goal region of {:?}", *entry.body);
+        let bounds = entry.yaw.iter().flat_map(|yaw| **yaw);
+        doubts.extend(bounds.filter_map(|bound| angle(&what, bound)).next());
+        let axes = [&entry.x, &entry.y, &entry.z];
+        let axes = axes.into_iter().flatten();
+        let is_far = |bound: &f64| bound.is_finite() && bound.abs() > LARGE;
+        doubts.extend(
+            axes.filter(|axis| axis.iter().any(is_far))
+                .map(|axis| format!("{what} = {:?} m: are these millimetres?", **axis))
+                .next(),
+        );
+    }
     doubts
 }
 
 fn yaw(what: &str, yaw: Option<&At<f64>>) -> Option<String> {
-    let yaw = **yaw?;
+    angle(what, **yaw?)
+}
+
+fn angle(what: &str, yaw: f64) -> Option<String> {
     (yaw.abs() > TAU).then(|| {
         format!(
             "yaw of {what} = {yaw} rad: are these degrees? {yaw} degrees are {:.4} rad",
@@ -88,6 +105,18 @@ mod tests {
         assert_eq!(
             doubts("[0.1, 2, 2]", "[100, 2, 1200]"),
             ["size of static body \"wall\" = [100.0, 2.0, 1200.0] m: are these millimetres?"]
+        );
+    }
+
+    #[test]
+    fn a_goal_might_be_in_millimetres_and_degrees() {
+        let goal = "[[goal.region]]\nbody = \"base\"\nx = [-inf, 400]\ny = [-50, 50]\nyaw = [85, 90]\n[objective]";
+        assert_eq!(
+            doubts("[objective]", goal),
+            [
+                "yaw of goal region of \"base\" = 85 rad: are these degrees? 85 degrees are 1.4835 rad",
+                "goal region of \"base\" = [-inf, 400.0] m: are these millimetres?"
+            ]
         );
     }
 

@@ -60,8 +60,39 @@ pub(crate) fn demands(
     draft: &Draft,
     entry: &GoalEntry,
 ) -> Result<(Vec<GoalContact>, Vec<RegionGoal>), SceneError> {
-    let regions = entry.region.iter().map(|r| region_goal(draft, r));
-    Ok((contacts(draft, entry)?, regions.collect::<Result<_, _>>()?))
+    let mut regions: Vec<RegionGoal> = Vec::new();
+    for given in &entry.region {
+        let region = region_goal(draft, given)?;
+        for other in regions.iter().filter(|other| other.body == region.body) {
+            check_overlap(draft, given, (&region, other))?;
+        }
+        regions.push(region);
+    }
+    Ok((contacts(draft, entry)?, regions))
+}
+
+/// Two regions of one body have a place in common.
+fn check_overlap(
+    draft: &Draft,
+    given: &At<RegionEntry>,
+    (region, other): (&RegionGoal, &RegionGoal),
+) -> Result<(), SceneError> {
+    let axes = [("x", &given.x), ("y", &given.y), ("z", &given.z)];
+    for (i, (name, axis)) in axes.into_iter().enumerate() {
+        let Some(axis) = axis else { continue };
+        let (lower, upper) = (other.lower[i], other.upper[i]);
+        if region.lower[i] > upper || region.upper[i] < lower {
+            let fault = Fault::Value {
+                what: format!("{name} of goal region of {:?}", region.body),
+                value: format!("{:?} m", **axis),
+                expected: format!(
+                    "something in common with [{lower}, {upper}] m, which another region demands of the same body"
+                ),
+            };
+            return Err(draft.source.fault(axis.span(), fault));
+        }
+    }
+    Ok(())
 }
 
 fn contacts(draft: &Draft, entry: &GoalEntry) -> Result<Vec<GoalContact>, SceneError> {
@@ -216,8 +247,9 @@ fn heading(draft: &Draft, what: &str, yaw: &At<[f64; 2]>) -> Result<[f64; 2], Sc
     let fault = Fault::Value {
         what: format!("yaw of {what}"),
         value: format!("{:?} rad", **yaw),
-        expected: "[smallest, largest] with smallest ≤ largest, less than a full turn apart"
-            .to_owned(),
+        expected:
+            "[smallest, largest] with smallest ≤ largest, less than a full turn of 2π rad apart"
+                .to_owned(),
     };
     Err(draft.source.fault(yaw.span(), fault))
 }

@@ -143,7 +143,12 @@ pub const NUMBERS: &[Case] = &[
     (
         "x = [-0.5, 0.5]",
         "yaw = [0.0, 6.3]",
-        "test.toml:59: yaw of goal region of \"base\" is [0.0, 6.3] rad, expected [smallest, largest] … a full turn apart",
+        "test.toml:59: yaw of goal region of \"base\" is [0.0, 6.3] rad, expected [smallest, largest] … a full turn of 2π rad apart",
+    ),
+    (
+        "x = [-0.5, 0.5]",
+        "x = [-0.5, 0.5]\n[[goal.region]]\nbody = \"base\"\nx = [0.6, 0.7]",
+        "test.toml:62: x of goal region of \"base\" is [0.6, 0.7] m, expected something in common with [-0.5, 0.5] m",
     ),
     (
         "x = [-0.5, 0.5]",
