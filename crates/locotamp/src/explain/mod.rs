@@ -142,7 +142,7 @@ pub(crate) fn explain(
         complete: !trials.stopped,
         text: String::new(),
     };
-    explanation.text = words::text(&explanation);
+    explanation.text = words::text(&explanation) + &words::falling(case);
     explanation
 }
 

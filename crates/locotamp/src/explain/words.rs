@@ -8,7 +8,7 @@ use ocp::Pull;
 use plan::{Explanation, FailedStage, Obstacle, Remedy};
 use scene::{Owner, Scene};
 use std::fmt::Write;
-use symbolic::Contact;
+use symbolic::{Contact, InterfaceId};
 
 /// Numbers tried in vain that the text lists.
 const MOST_IN_VAIN: usize = 5;
@@ -308,6 +308,25 @@ pub(super) fn text(e: &Explanation) -> String {
         let more = (more > 0).then(|| format!("{more} more (see the report)"));
         let all: Vec<String> = shown.chain(more).collect();
         let _ = writeln!(text, "{:12} {}", "in vain", all.join("; "));
+    }
+    text
+}
+
+/// Which objects nothing touches in some phase, one to a line: a contact that was forgotten is the likely reason.
+pub(super) fn falling(case: &Case) -> String {
+    let mut text = String::new();
+    for (o, object) in case.scene.objects.iter().enumerate() {
+        let owner = |i: InterfaceId| case.scene.interfaces[i.0].owner;
+        let touches = |c: Contact| [c.a, c.b].map(owner).contains(&Owner::Object(o));
+        let falls = |&k: &usize| !case.phases[k].state.iter().any(touches);
+        if let Some(k) = (0..case.phases.len()).find(falls) {
+            let (phase, name) = (k + 1, &object.name);
+            let _ = writeln!(
+                text,
+                "{:12} nothing touches {name} in phase {phase}: it falls there; is a contact of it missing?",
+                "note"
+            );
+        }
     }
     text
 }

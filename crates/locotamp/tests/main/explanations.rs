@@ -178,6 +178,30 @@ fn a_phase_that_is_too_short_is_told_its_time() {
 }
 
 #[test]
+fn an_object_that_nothing_touches_is_told_to_fall() {
+    let ball = "[[object]]\nname = \"crate\"\nmass = 1.0\nsize = [0.1, 0.1, 0.1]\non = \"ground_top\"\nposition = [2.0, 0.0]\n\n\
+                [[object.interface]]\nname = \"crate_bottom\"\nside = \"-z\"\nlands = true\n\n[objective]";
+    let resting = "label = \"stand\"\ncontacts = [[\"foot\", \"ground_top\"], [\"crate_bottom\", \"ground_top\"]]\n\n";
+    let begin = format!("{resting}[[phase]]\nlabel = \"stand on\"");
+    let problem = Problem::weak_leg().scene("[objective]", ball);
+    let text = |problem: &Problem| {
+        problem
+            .solve(true)
+            .explanation
+            .expect("an explanation")
+            .text
+    };
+    let falls = "nothing touches crate in phase 2";
+    let forgotten = problem.clone().sequence("label = \"stand\"", &begin);
+    assert!(text(&forgotten).contains(falls), "{}", text(&forgotten));
+    let at_rest = problem.sequence(
+        "label = \"stand\"\ncontacts = [[\"foot\", \"ground_top\"]]",
+        &format!("{resting}[[phase]]\n{resting}"),
+    );
+    assert!(!text(&at_rest).contains("nothing touches"));
+}
+
+#[test]
 fn contradicting_bounds_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let problem = Problem::weak_leg();
