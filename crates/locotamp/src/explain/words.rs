@@ -4,12 +4,15 @@ use super::Case;
 use super::knob::Knob;
 use super::remedy::Found;
 use crate::summary;
+use nalgebra::Vector3;
 use ocp::Pull;
 use plan::{Explanation, FailedStage, Obstacle, Remedy};
 use scene::{Owner, Scene};
 use std::fmt::Write;
 use symbolic::{Contact, InterfaceId};
 
+/// Cosine of the slope up to which an interface counts as a top.
+const UPWARD: f64 = 0.98;
 /// Numbers tried in vain that the text lists.
 const MOST_IN_VAIN: usize = 5;
 
@@ -158,6 +161,7 @@ pub(super) fn remedy(scene: &Scene, found: &Found) -> Remedy {
             let tops = scene.interfaces.iter();
             let top = tops
                 .filter(|i| i.owner == Owner::Static(*s))
+                .filter(|i| i.body_from_interface.rotate(Vector3::z()).z > UPWARD)
                 .map(|i| i.body_from_interface.origin().z)
                 .fold(f64::NEG_INFINITY, f64::max);
             let at = if top.is_finite() {
@@ -254,7 +258,7 @@ pub(super) fn text(e: &Explanation) -> String {
             "There is no configuration that meets contacts, joint ranges, clearances and goal"
         }
         FailedStage::Motion => {
-            "There are configurations for every phase, but no motion through them"
+            "There are configurations for every phase, but no motion through them was found"
         }
     };
     let cause = &e.cause;
@@ -329,4 +333,31 @@ pub(super) fn falling(case: &Case) -> String {
         }
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    #[test]
+    fn only_a_face_that_looks_up_is_a_top() {
+        let text_with = |side: &str| {
+            let text = format!(
+                "name = \"s\"\nrobot = \"g1\"\n[[static]]\nname = \"ground\"\nplane = true\n[[static]]\nname = \"wall\"\n\
+                 size = [0.1, 2.0, 2.0]\nposition = [0.9, 0.0, 1.0]\ntop = false\n[[static.interface]]\nname = \"face\"\n\
+                 side = \"{side}\"\n[objective]\nkind = \"base_height\"\n"
+            );
+            let scene = Scene::from_toml(&text, "s.toml", Path::new(".")).expect("a scene");
+            let (from, to) = (1.0, 1.5);
+            let knob = Knob::Static(1, 2);
+            remedy(&scene, &Found { knob, from, to }).text
+        };
+        assert_eq!(
+            text_with("-x"),
+            "raise wall by 0.5 m, from z = 1 m to 1.5 m"
+        );
+        let top = "raise wall by 0.5 m, from z = 1 m to 1.5 m, so that its top is at 2.5 m";
+        assert_eq!(text_with("+z"), top);
+    }
 }
