@@ -95,7 +95,8 @@ pub fn solve(
         labels: labels.clone(),
     });
     let start = Instant::now();
-    let keyframes = keyframes(&planner, &phases, &settings, request);
+    let known = known(&planner, &phases, &settings, &sequence.configurations);
+    let keyframes = known.unwrap_or_else(|| keyframes(&planner, &phases, &settings, request));
     let mut solved = Solved {
         best: None,
         feasible: false,
@@ -250,6 +251,19 @@ fn held(
         falls_short,
         stopped,
     }
+}
+
+/// Keyframes at configurations that are known, or near them, if they have the size and the contacts.
+fn known(
+    planner: &Planner,
+    phases: &[Phase],
+    settings: &Settings,
+    configurations: &[Vec<f64>],
+) -> Option<Keyframes> {
+    let n = planner.system.model.nq;
+    let fits = configurations.len() == phases.len() + 1;
+    let fits = fits && configurations.iter().all(|q| q.len() == n);
+    fits.then(|| planner.keyframes_at(configurations, phases, settings))?
 }
 
 /// Keyframes from the sequence alone or, unless that ended hopelessly far from satisfying the contacts, as the search finds

@@ -58,6 +58,9 @@ pub struct Sequence {
     pub goal: Option<SequenceGoal>,
     /// What its author claims, if anything.
     pub expect: Option<Expectation>,
+    /// Configurations at the phase boundaries, one more than phases, each that of the robot (base position [m], base quaternion
+    /// xyzw, joints [rad or m]) with the poses of all objects (position [m], quaternion xyzw); none if nothing is known.
+    pub configurations: Vec<Vec<f64>>,
 }
 
 impl Sequence {
@@ -212,6 +215,7 @@ impl SequenceFile {
             phases,
             goal,
             expect: self.expectation()?,
+            configurations: vec![],
         })
     }
 

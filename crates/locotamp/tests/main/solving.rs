@@ -32,6 +32,48 @@ fn a_long_sequence_has_keyframes_beginning_by_beginning() {
     assert!(end.contains(&"goal".into()), "{end:?}");
 }
 
+/// Configurations of the robot at the phase boundaries of a plan.
+fn boundaries(plan: &plan::Plan) -> Vec<Vec<f64>> {
+    let mut node = 0;
+    let mut out = vec![plan.q[0].clone()];
+    for phase in &plan.phases {
+        node += phase.steps;
+        out.push(plan.q[node].clone());
+    }
+    out
+}
+
+#[test]
+fn keyframes_begin_at_configurations_that_are_known() {
+    let (scene, sequence) = given("stairs/up_one.toml");
+    let solved = |configurations: &[Vec<f64>], time_limit| {
+        let sequence = Sequence {
+            configurations: configurations.to_vec(),
+            ..sequence.clone()
+        };
+        let request = Request {
+            time_limit,
+            explain: false,
+            refinement: None,
+            ..Request::default()
+        };
+        solve(&scene, &sequence, &request, &mut |_| true).expect("a planning problem")
+    };
+    let from_nothing = solved(&[], 60.0);
+    let known = boundaries(&from_nothing.best.expect("a motion").plan);
+    let from_known = solved(&known, 0.0).keyframes;
+    assert!(from_known.possible);
+    let of_nothing = from_nothing.keyframes.iterations;
+    assert!(
+        from_known.iterations < of_nothing,
+        "{} and {of_nothing}",
+        from_known.iterations
+    );
+    // Of another robot: of no use, and no harm.
+    let short: Vec<_> = known.iter().map(|q| q[..8].to_vec()).collect();
+    assert_eq!(solved(&short, 0.0).keyframes.iterations, of_nothing);
+}
+
 #[test]
 fn a_sequence_without_a_motion_is_tried_twice_and_one_with_a_motion_once() {
     let attempts = |path: &str| {
