@@ -38,6 +38,14 @@ pub enum Refined {
     Failed(String),
 }
 
+/// The grid on which a motion must hold to be a plan.
+pub(crate) fn on_which_it_holds(refinement: Refinement) -> Refinement {
+    Refinement {
+        max_step: HOLDS,
+        ..refinement
+    }
+}
+
 /// A coarse motion on the grid on which it must hold to be a plan; iterations and seconds are those of both.
 pub(crate) fn hold(
     planner: &Planner<'_>,
@@ -53,10 +61,7 @@ pub(crate) fn hold(
     };
     let mut goes_on = nearly_there(most);
     let mut watch = |i: &Iteration| watch(i) & goes_on(i.violation);
-    let grid = Refinement {
-        max_step: HOLDS,
-        ..refinement
-    };
+    let grid = on_which_it_holds(refinement);
     let mut fine = planner.refine(phases, &settings, coarse, grid, &mut watch);
     fine.iterations += coarse.iterations;
     fine.seconds += coarse.seconds;

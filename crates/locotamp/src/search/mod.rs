@@ -47,8 +47,9 @@ const FIRST: usize = 2;
 const BALANCE: f64 = 2.0;
 /// Largest share of the time limit that the search may use once there is a plan; the rest is for refining it.
 const SEARCH_SHARE: f64 = 0.9;
-/// Time that refining a plan is expected to take, in that of its motion and per interval: a fourth to one for the climb.
-const REFINING: f64 = 1.0;
+/// Time that refining a plan is expected to take, in that of its motion and per interval: 0.14 to 0.85 in 39 runs, half of them below
+/// 0.33, those above 0.6 of a few seconds (benches/runs/2026-11-25-scenes.md).
+const REFINING: f64 = 0.6;
 /// Largest share of the time limit that is kept for refining.
 const MOST_REFINING: f64 = 0.6;
 

@@ -347,17 +347,26 @@ impl Run<'_> {
             let kept = &self.diverse[n];
             let phases = with_steps(&self.phases(&kept.sequence), &kept.steps);
             let labels = kept.sequence.labels.clone();
-            let mut motion = self.shop.restore(&phases, kept.point.clone());
+            let mut motion = self.shop.restore_to_refine(&phases, kept.point.clone());
             motion.feasible = true;
             let limits = (&request, self.shop.begin);
+            let mut observe = |event: &Event| {
+                let goes_on = (self.observe)(event);
+                self.shop.stop.fetch_or(!goes_on, Ordering::SeqCst);
+                goes_on
+            };
             let (mut motion, refined) =
-                refine::refine(planner, &phases, settings, motion, limits, self.observe);
+                refine::refine(planner, &phases, settings, motion, limits, &mut observe);
             if matches!(refined, Refined::Done { .. }) {
                 return Some(Found::of(planner.scene, &labels, &mut motion, refined));
             }
+            if motion.trajectory.program.steps == kept.steps {
+                motion = self.shop.restore(&phases, kept.point.clone());
+                motion.feasible = true;
+            }
             let failed = matches!(refined, Refined::Failed(_));
             first.get_or_insert((motion, refined, labels));
-            if !failed || self.is_late() || self.request.stop.is_set() {
+            if !failed || self.is_late() || self.is_stopped() {
                 break;
             }
         }

@@ -3,7 +3,7 @@
 use super::turns::Turns;
 use crate::api::Event;
 use crate::journal::{Coarse, PointEntry, Tried};
-use crate::refine::{hold, on_finer_grid};
+use crate::refine::{hold, on_finer_grid, on_which_it_holds};
 use crate::{export, summary};
 use ocp::{CostTerm, Motion, Phase, Planner, Point, Refinement, Relative, Settings};
 use plan::Plan;
@@ -262,13 +262,26 @@ impl Shop<'_> {
         done
     }
 
-    /// A motion that is known ([`Planner::restore`]), with the options of its grid but for the longest interval: what is refined from
-    /// it then gets little room to grow, which takes half the iterations (benches/runs/2026-11-25-perturbed.md).
+    /// A motion that is known ([`Planner::restore`]), on the grid on which it was found.
     pub fn restore(self, phases: &[Phase], point: Point) -> Motion {
+        self.restored(phases, point, |on_grid| on_grid.max_step)
+    }
+
+    /// The same with the coarse grid's longest interval: what is refined from it then gets little room to grow, which takes half the
+    /// iterations (benches/runs/2026-11-25-perturbed.md).
+    pub fn restore_to_refine(self, phases: &[Phase], point: Point) -> Motion {
+        self.restored(phases, point, |_| self.settings.max_step)
+    }
+
+    fn restored(self, phases: &[Phase], point: Point, step: impl Fn(&Settings) -> f64) -> Motion {
         let finer = self.holds.filter(|_| !point.velocities.is_empty());
-        let settings = finer.map_or(self.settings.clone(), |refinement| Settings {
-            max_step: self.settings.max_step,
-            ..refinement.settings(self.settings)
+        let settings = finer.map_or(self.settings.clone(), |refinement| {
+            let settings = on_which_it_holds(refinement).settings(self.settings);
+            let max_step = step(&settings);
+            Settings {
+                max_step,
+                ..settings
+            }
         });
         self.planner.restore(phases, &settings, point)
     }

@@ -82,6 +82,32 @@ fn a_plan_that_waits_for_its_turn_is_not_lost_when_the_search_is_stopped() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow without optimisation")]
+fn a_plan_whose_refinement_is_stopped_is_told_as_what_it_is() {
+    let scene = Scene::builtin("side-step").expect("a built-in scene");
+    let refined = Request {
+        solutions: 1,
+        ..Request::default()
+    };
+    let mut observe = |event: &Event| !matches!(event, Event::Refining { .. });
+    let outcome = locotamp::plan(&scene, &refined, &mut observe).expect("a planning problem");
+    assert!(outcome.feasible);
+    let best = outcome.best.expect("a plan");
+    assert!(matches!(best.refined, locotamp::Refined::Failed(_)));
+    // On the grid on which it was found it keeps its margins.
+    let violation = best.plan.violation.expect("it is told");
+    assert!(violation < 1e-3, "{violation}");
+    for name in ["clearance", "swing", "landing"] {
+        let margin = (best.quality.margins.iter())
+            .find(|margin| margin.name == name)
+            .expect("a margin");
+        let beyond = margin.reached.expect("a foot swings") - margin.demanded;
+        assert!(beyond.abs() < 1e-3 || name == "clearance", "{margin:?}");
+        assert!(beyond > -1e-3, "{margin:?}");
+    }
+}
+
+#[test]
 fn threads_change_nothing_and_a_seed_everything() {
     let with = |threads, seed| {
         plan(&Request {
