@@ -78,7 +78,12 @@ impl Planner<'_> {
             }
             best = less_violated(best, solve(from));
         }
-        best
+        if best.possible {
+            return best;
+        }
+        let before = state_guess::before_walls(self.scene, &self.system, state);
+        let before = before.into_iter().map(|from| vec![from; 2]);
+        ask.carefully(best, true, before.collect())
     }
 
     /// One configuration that satisfies the contacts of two neighbouring states.

@@ -28,6 +28,9 @@ const PLACES: [(f64, f64, f64); 8] = [
 const MEETINGS: [f64; 3] = [0.0, 0.7, -0.7];
 /// Room between a hand and what it meets [m].
 const ROOM: f64 = 0.05;
+/// Distance of the base from a wall that a hand touches [m], and turns of the base from facing it [rad].
+const BEFORE: f64 = 0.45;
+const SIDES: [f64; 3] = [0.0, 0.5 * PI, -0.5 * PI];
 /// Horizontal part of a normal below which it says nothing of a direction.
 const UPRIGHT: f64 = 0.3;
 
@@ -73,6 +76,42 @@ pub fn states(scene: &Scene, system: &System, state: &ContactState) -> Vec<Vec<f
     );
     guesses.extend(places.map(at));
     guesses
+}
+
+/// Configurations with the base before the upright face of something fixed that a hand touches, ahead of it or at its sides: from
+/// the posture of `q` alone a robot may come to be in a wall. None where no hand touches such a face.
+pub fn before_walls(scene: &Scene, system: &System, state: &ContactState) -> Vec<Vec<f64>> {
+    let q = system.start(scene);
+    let fixed = |c: &Contact| {
+        let [a, b] = [c.a, c.b].map(|i| &scene.interfaces[i.0]);
+        (a.role == Role::Hand && matches!(b.owner, Owner::Static(_))).then_some(b)
+    };
+    let (Some(face), Some(base)) = (
+        state.iter().find_map(|c| fixed(&c)),
+        q.first_chunk::<7>().map(Pose::from_xyzquat),
+    ) else {
+        return vec![];
+    };
+    let world_from_face = face.body_from_interface;
+    let normal = world_from_face.rotate(Vector3::z());
+    if normal.xy().norm() < UPRIGHT {
+        return vec![];
+    }
+    // Beside the place of the face that is nearest to the start.
+    let mut place = world_from_face.inverse().act(base.origin());
+    if let Some([x, y]) = face.half_size {
+        (place.x, place.y) = (place.x.clamp(-x, x), place.y.clamp(-y, y));
+    }
+    place.z = 0.0;
+    let mut origin = world_from_face.act(place) + BEFORE * normal;
+    origin.z = base.origin().z;
+    let ahead = base.rotate(Vector3::x());
+    let facing = (-normal.y).atan2(-normal.x) - ahead.y.atan2(ahead.x);
+    let at = |side: &f64| {
+        let about = turned(&base, facing + side);
+        with_base(&q, &Pose::from_parts(*about.rotation(), origin))
+    };
+    SIDES.iter().map(at).collect()
 }
 
 fn turned(pose: &Pose, angle: f64) -> Pose {
@@ -125,6 +164,7 @@ fn with_base(q: &[f64], base: &Pose) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Planner, Preset, Settings};
     use std::path::Path;
     use symbolic::ContactType;
 
@@ -159,5 +199,34 @@ mod tests {
         let standing: ContactState = scene.start_contacts.iter().copied().collect();
         let without = states(&scene, &system, &standing).len();
         assert_eq!(guesses.len(), without + MEETINGS.len());
+    }
+
+    /// From the posture of the start the robot would come to be in the wall, whose clearances push some links out at its back.
+    #[test]
+    fn a_hand_lies_on_a_large_wall() {
+        let text = "name = \"s\"\nrobot = \"g1\"\n[[static]]\nname = \"ground\"\nplane = true\n[[static]]\nname = \"wall\"\n\
+                    size = [0.1, 1.6, 2.0]\nposition = [0.55, 0.0, 1.0]\ntop = false\n[[static.interface]]\nname = \"wall_face\"\n\
+                    side = \"-x\"\ncontacts = [\"unilateral_patch\"]\n[goal]\ncontacts = [[\"left_hand\", \"wall_face\"]]\n";
+        let scene = Scene::from_toml(text, "s.toml", Path::new(".")).unwrap();
+        let planner = Planner::new(&scene).unwrap();
+        let settings = Settings::new(Preset::Default, &scene.optimiser);
+        let interface = |name: &str| scene.interface_id(name).unwrap();
+        let contact = Contact {
+            a: interface("left_hand"),
+            b: interface("wall_face"),
+            kind: ContactType::UnilateralPatch,
+        };
+        let start = scene.start_contacts.iter().copied();
+        let state: ContactState = start.chain([contact]).collect();
+        assert_eq!(before_walls(&scene, &planner.system, &state).len(), 3);
+        let found = planner.state(&state, &settings);
+        assert!(found.possible, "{:?}", found.worst);
+        // What is level is no wall.
+        let on_ground = Contact {
+            b: interface("ground_top"),
+            ..contact
+        };
+        let state = [on_ground].into_iter().collect();
+        assert!(before_walls(&scene, &planner.system, &state).is_empty());
     }
 }
