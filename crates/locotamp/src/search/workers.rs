@@ -264,23 +264,22 @@ impl Shop<'_> {
 
     /// A motion that is known ([`Planner::restore`]), on the grid on which it was found.
     pub fn restore(self, phases: &[Phase], point: Point) -> Motion {
-        self.restored(phases, point, |on_grid| on_grid.max_step)
+        self.restored(phases, point, None)
     }
 
     /// The same with the coarse grid's longest interval: what is refined from it then gets little room to grow, which takes half the
     /// iterations (benches/runs/2026-11-25-perturbed.md).
     pub fn restore_to_refine(self, phases: &[Phase], point: Point) -> Motion {
-        self.restored(phases, point, |_| self.settings.max_step)
+        self.restored(phases, point, Some(self.settings.max_step))
     }
 
-    fn restored(self, phases: &[Phase], point: Point, step: impl Fn(&Settings) -> f64) -> Motion {
+    fn restored(self, phases: &[Phase], point: Point, max_step: Option<f64>) -> Motion {
         let finer = self.holds.filter(|_| !point.velocities.is_empty());
         let settings = finer.map_or(self.settings.clone(), |refinement| {
-            let settings = on_which_it_holds(refinement).settings(self.settings);
-            let max_step = step(&settings);
+            let on_grid = on_which_it_holds(refinement).settings(self.settings);
             Settings {
-                max_step,
-                ..settings
+                max_step: max_step.unwrap_or(on_grid.max_step),
+                ..on_grid
             }
         });
         self.planner.restore(phases, &settings, point)
