@@ -78,8 +78,8 @@ pub fn states(scene: &Scene, system: &System, state: &ContactState) -> Vec<Vec<f
     guesses
 }
 
-/// Configurations with the base before the upright face of something fixed that a hand touches, ahead of it or at its sides: from
-/// the posture of `q` alone a robot may come to be in a wall. None where no hand touches such a face.
+/// Configurations with the base before the upright face of something fixed that a hand touches, facing it or with
+/// it at its sides: from where hands of the start posture meet it a robot may be in it. None where no hand touches such a face.
 pub fn before_walls(scene: &Scene, system: &System, state: &ContactState) -> Vec<Vec<f64>> {
     let q = system.start(scene);
     let fixed = |c: &Contact| {
