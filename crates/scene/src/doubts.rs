@@ -31,16 +31,13 @@ pub(crate) fn doubts(file: &SceneFile, gravity: Vector3<f64>) -> Vec<String> {
     let goal = file.goal.as_deref();
     for entry in goal.into_iter().flat_map(|goal| &goal.region) {
         let what = format!("goal region of {:?}", *entry.body);
-        let bounds = entry.yaw.iter().flat_map(|yaw| **yaw);
-        doubts.extend(bounds.filter_map(|bound| angle(&what, bound)).next());
-        let axes = [&entry.x, &entry.y, &entry.z];
-        let axes = axes.into_iter().flatten();
+        let mut bounds = entry.yaw.iter().flat_map(|yaw| **yaw);
+        doubts.extend(bounds.find_map(|bound| angle(&what, bound)));
         let is_far = |bound: &f64| bound.is_finite() && bound.abs() > LARGE;
-        doubts.extend(
-            axes.filter(|axis| axis.iter().any(is_far))
-                .map(|axis| format!("{what} = {:?} m: are these millimetres?", **axis))
-                .next(),
-        );
+        let mut axes = [&entry.x, &entry.y, &entry.z].into_iter().flatten();
+        if let Some(axis) = axes.find(|axis| axis.iter().any(is_far)) {
+            doubts.push(format!("{what} = {:?} m: are these millimetres?", **axis));
+        }
     }
     doubts
 }
