@@ -1,5 +1,5 @@
-//! From a scene to the symbolic domain: the only place where geometry decides symbolic facts (opposite patches, and by
-//! [`weight`] which lifts are none).
+//! From a scene to the symbolic domain, with the facts that geometry decides: opposite patches, and by [`weight`] which lifts are
+//! none ([`crate::departures`] adds places to leave).
 
 use crate::api::{Error, Impossible};
 use crate::strides::Strides;
@@ -208,7 +208,7 @@ fn far_swings(scene: &Scene) -> usize {
 }
 
 /// Cosine of the slope up to which a surface counts as one to stand on.
-const UPWARD: f64 = 0.98;
+pub(crate) const UPWARD: f64 = 0.98;
 /// Extra cost of ending with a foot on the lowest surface rather than on the highest [phases], where the base is to get high:
 /// more than any way to a higher one costs.
 const LOW: f64 = 100.0;

@@ -5,6 +5,7 @@
 //!
 //! Source: ours. It orders, it forbids nothing.
 
+use crate::domain::UPWARD;
 use nalgebra::Vector3;
 use scene::{Interface, Owner, Role, Scene, Shape};
 use spatial::Pose;
@@ -14,8 +15,6 @@ const GRID: f64 = 0.05;
 const MOST_STEPS: usize = 80;
 /// How far an unbounded surface is looked at beyond everything else [m].
 const AROUND: f64 = 0.5;
-/// Cosine of the slope up to which a surface has places.
-const UPWARD: f64 = 0.98;
 /// Stride and rise that are done without effort, in heights of the base over the feet.
 const EASY_STRIDE: f64 = 0.45;
 const EASY_RISE: f64 = 0.3;

@@ -168,19 +168,27 @@ mod tests {
     use std::path::Path;
     use symbolic::ContactType;
 
+    /// The start with one more contact.
+    fn standing_with(
+        scene: &Scene,
+        hand: &str,
+        on: &str,
+        kind: ContactType,
+    ) -> (Contact, ContactState) {
+        let interface = |name: &str| scene.interface_id(name).unwrap();
+        let (a, b) = (interface(hand), interface(on));
+        let contact = Contact { a, b, kind };
+        let start = scene.start_contacts.iter().copied();
+        (contact, start.chain([contact]).collect())
+    }
+
     #[test]
     fn a_hand_meets_what_it_holds() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/pick-place.toml");
         let scene = Scene::load(&path).unwrap();
         let system = System::new(&scene).unwrap();
-        let interface = |name: &str| scene.interface_id(name).unwrap();
-        let contact = Contact {
-            a: interface("left_hand"),
-            b: interface("red_box_handle"),
-            kind: ContactType::BilateralPatch,
-        };
-        let start = scene.start_contacts.iter().copied();
-        let state: ContactState = start.chain([contact]).collect();
+        let grasp = ContactType::BilateralPatch;
+        let (contact, state) = standing_with(&scene, "left_hand", "red_box_handle", grasp);
         let mut kinematics = Kinematics::new(&system.model);
         let mut nearest = |q: &[f64]| {
             kinematics.update(&system.model, q);
@@ -210,23 +218,13 @@ mod tests {
         let scene = Scene::from_toml(text, "s.toml", Path::new(".")).unwrap();
         let planner = Planner::new(&scene).unwrap();
         let settings = Settings::new(Preset::Default, &scene.optimiser);
-        let interface = |name: &str| scene.interface_id(name).unwrap();
-        let contact = Contact {
-            a: interface("left_hand"),
-            b: interface("wall_face"),
-            kind: ContactType::UnilateralPatch,
-        };
-        let start = scene.start_contacts.iter().copied();
-        let state: ContactState = start.chain([contact]).collect();
+        let leaning = ContactType::UnilateralPatch;
+        let (_, state) = standing_with(&scene, "left_hand", "wall_face", leaning);
         assert_eq!(before_walls(&scene, &planner.system, &state).len(), 3);
         let found = planner.state(&state, &settings);
         assert!(found.possible, "{:?}", found.worst);
         // What is level is no wall.
-        let on_ground = Contact {
-            b: interface("ground_top"),
-            ..contact
-        };
-        let state = [on_ground].into_iter().collect();
+        let (_, state) = standing_with(&scene, "left_hand", "ground_top", leaning);
         assert!(before_walls(&scene, &planner.system, &state).is_empty());
     }
 }

@@ -3,6 +3,7 @@
 use super::Case;
 use super::knob::Knob;
 use super::remedy::Found;
+use crate::domain::UPWARD;
 use crate::summary;
 use nalgebra::Vector3;
 use ocp::Pull;
@@ -11,8 +12,6 @@ use scene::{Owner, Scene};
 use std::fmt::Write;
 use symbolic::{Contact, InterfaceId};
 
-/// Cosine of the slope up to which an interface counts as a top.
-const UPWARD: f64 = 0.98;
 /// Numbers tried in vain that the text lists.
 const MOST_IN_VAIN: usize = 5;
 
