@@ -4,6 +4,7 @@
 use crate::api::{Error, Impossible};
 use crate::strides::Strides;
 use crate::weight;
+use multibody::Kinematics;
 use nalgebra::Vector3;
 use scene::{Objective, Owner, Role, Scene};
 use std::collections::BTreeMap;
@@ -215,8 +216,10 @@ const LOW: f64 = 100.0;
 /// Cost of a foot set on a wall or a slope: as much as four swings [phases].
 const STEEP: f64 = 8.0;
 
-/// Cost of ending with a foot in the air where the goal says how high one is [phases]: as much as the landing that it saves.
+/// Cost of ending with a foot in the air where the goal raises one [phases]: as much as the landing that it saves; and by how much
+/// higher than at the start it must be for that [m].
 const RAISED: f64 = 1.0;
+const CLEARLY: f64 = 0.02;
 
 /// Costs by which sequences are ordered. Where the base is to get high, new surfaces and manipulation are what may help.
 pub(crate) fn costs(scene: &Scene) -> Costs {
@@ -235,19 +238,26 @@ pub(crate) fn costs(scene: &Scene) -> Costs {
     costs
 }
 
-/// True if a region of the goal says how high a foot is at least.
+/// True if a region of the goal wants a foot, by its interface or link, higher than it stands at the start.
 fn raises_a_foot(scene: &Scene) -> bool {
-    let is_foot = |body: &String| {
-        let of_foot = |i: &scene::Interface| match i.owner {
-            Owner::Robot { frame } if i.role == Role::Foot => {
-                i.name == *body || scene.robot.model.frames[frame].name == *body
-            }
-            _ => false,
+    let model = &scene.robot.model;
+    let mut kinematics = Kinematics::new(model);
+    kinematics.update(model, &scene.start);
+    let height = |body: &String| {
+        let of_foot = |i: &scene::Interface| {
+            let Owner::Robot { frame } = i.owner else {
+                return None;
+            };
+            let link = kinematics.frame_pose(model, frame);
+            let of_interface = || link * i.body_from_interface;
+            let named = (i.name == *body).then(of_interface);
+            named.or((model.frames[frame].name == *body).then_some(link))
         };
-        scene.interfaces.iter().any(of_foot)
+        let mut feet = scene.interfaces.iter().filter(|i| i.role == Role::Foot);
+        feet.find_map(of_foot).map(|foot| foot.origin().z)
     };
     let mut regions = scene.goal_regions.iter();
-    regions.any(|region| region.lower.z.is_finite() && is_foot(&region.body))
+    regions.any(|r| height(&r.body).is_some_and(|now| r.lower.z > now + CLEARLY))
 }
 
 /// Costs beside these: where the base is to get high, of ending low.
@@ -396,6 +406,8 @@ mod tests {
         assert_eq!(link, interface);
         for region in [
             "body = \"right_foot\"\nx = [0.3, 0.4]",
+            "body = \"right_foot\"\nz = [0.0, 0.1]",
+            "body = \"right_ankle_roll_link\"\nz = [0.03, 0.1]",
             "body = \"base\"\nz = [0.5, 0.6]",
         ] {
             assert_eq!(end_in_swing(region), usual);
