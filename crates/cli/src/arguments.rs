@@ -101,6 +101,11 @@ pub(crate) struct SearchOptions {
     /// End with so many plans that differ in what bears load
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = at_least_one)]
     pub solutions: usize,
+    /// Optimise at least so many contact sequences, and end with the best of their plans
+    ///
+    /// The first plan is sought as without it. Half of a time limit at most is spent on more sequences.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub min_sequences: usize,
     /// Optimise at most so many contact sequences
     #[arg(long, value_name = "N", default_value_t = 200)]
     pub max_sequences: usize,

@@ -204,6 +204,7 @@ fn search(options: &PlanOptions, scene: &Scene, folder: &Folder) -> Result<Outco
         search: options.search.search.into(),
         threads: options.search.threads,
         solutions: options.search.solutions,
+        min_optimised: options.search.min_sequences,
         max_optimised: options.search.max_sequences,
         journal: Some(folder.journal()),
         resume: options.search.resume,

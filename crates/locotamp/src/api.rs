@@ -73,7 +73,11 @@ pub struct Request {
     pub time_limit: f64,
     /// Number of plans with different loaded contacts after which the search ends, and of those that it returns.
     pub solutions: usize,
-    /// Most sequences that are optimised in full.
+    /// Least sequences that are optimised before the search may end with enough plans. Once there is one plan, they are so on the
+    /// coarse grid, and the cheapest of them are tried on the finer one, so that the plans are the best of many. Half of a time
+    /// limit at most is spent on it.
+    pub min_optimised: usize,
+    /// Most sequences that are optimised.
     pub max_optimised: usize,
     /// How states follow from one another before refinement; the preset `paper` has explicit Euler only.
     pub integrator: Integrator,
@@ -104,6 +108,7 @@ impl Default for Request {
             seed: 0,
             time_limit: f64::INFINITY,
             solutions: 5,
+            min_optimised: 0,
             max_optimised: 200,
             integrator: Integrator::Euler,
             sticking: Sticking::Displacement,

@@ -132,8 +132,13 @@ pub struct Group {
     pub until: Until,
     /// Wall time [s].
     pub time_limit: f64,
-    /// Most sequences that are optimised.
+    /// Least and most sequences that are optimised.
+    #[serde(default)]
+    pub min_optimised: usize,
     pub max_optimised: usize,
+    /// Plans with different loaded contacts after which a run without another end is over.
+    #[serde(default)]
+    pub solutions: Option<usize>,
     /// True if the best plan is refined, within the time limit.
     pub refine: bool,
 }
@@ -146,8 +151,19 @@ impl Group {
             policy: Policy::Tree,
             until,
             time_limit,
+            min_optimised: 0,
             max_optimised: EVALUATED,
+            solutions: None,
             refine: false,
+        }
+    }
+
+    /// The best five of as many sequences as may be optimised.
+    fn best_of_all(self) -> Self {
+        Self {
+            min_optimised: self.max_optimised,
+            solutions: Some(5),
+            ..self
         }
     }
 
@@ -210,8 +226,9 @@ impl Run {
             time_limit: group.time_limit,
             solutions: match group.until {
                 Until::Plan => 1,
-                Until::Climbed | Until::Limits => usize::MAX,
+                Until::Climbed | Until::Limits => group.solutions.unwrap_or(usize::MAX),
             },
+            min_optimised: group.min_optimised,
             max_optimised: group.max_optimised,
             refinement: group.refine.then(Refinement::default),
             ..Request::default()
@@ -282,7 +299,9 @@ fn groups(part: Part) -> Vec<Group> {
     match part {
         Part::TwoBox => vec![
             Group::new(part, "two-box", Until::Plan, TASK_LIMIT).refined(),
-            Group::new(part, "two-box", Until::Limits, EVALUATED_LIMIT),
+            Group::new(part, "two-box", Until::Limits, EVALUATED_LIMIT)
+                .best_of_all()
+                .refined(),
         ],
         Part::Climb => vec![climb()],
         Part::Scenes => SCENES

@@ -50,6 +50,8 @@ const SEARCH_SHARE: f64 = 0.9;
 /// Time that refining a plan is expected to take, in that of its motion and per interval: 0.14 to 0.85 in 39 runs, half of them below
 /// 0.33, those above 0.6 of a few seconds (benches/runs/2026-11-25-scenes.md).
 const REFINING: f64 = 0.6;
+/// Largest share of the search's time that is spent on more sequences once there is a plan.
+const CHOOSING_SHARE: f64 = 0.5;
 /// Largest share of the time limit that is kept for refining.
 const MOST_REFINING: f64 = 0.6;
 
@@ -146,7 +148,9 @@ pub fn plan(
             clock: 0,
             under_way: UnderWay::default(),
             lost: false,
+            ended: None,
             rewards: Rewards::default(),
+            coarse_rewards: Rewards::default(),
             failures: Failures::new(resting(scene)),
             attempts: vec![],
             diverse: Diverse::new(request.solutions),
@@ -248,7 +252,11 @@ struct Run<'a> {
     under_way: UnderWay,
     /// A worker panicked.
     lost: bool,
+    /// Why no more sequences are begun.
+    ended: Option<String>,
     rewards: Rewards,
+    /// Of motions on the coarse grid, while the best of many is sought.
+    coarse_rewards: Rewards,
     failures: Failures,
     attempts: Vec<Attempt>,
     /// The plans.
@@ -288,31 +296,31 @@ impl Run<'_> {
 
     /// Tries sequences until enough plans are found; says why it ended.
     fn search(&mut self) -> String {
-        let mut ended = None;
+        self.ended = None;
         loop {
             if let Some(reason) = self.is_over() {
                 return reason;
             }
             let has_room = self.under_way.len() < IN_FLIGHT.min(FIRST + self.moved / 2);
             if self.is_full() {
-                ended.get_or_insert_with(|| self.full());
+                self.ended = self.ended.take().or_else(|| Some(self.full()));
             }
-            let has_choice = ended.is_some() || self.has_choice();
+            let has_choice = self.ended.is_some() || self.has_choice();
             if has_room && self.submit(has_choice) {
                 continue;
             }
             if !has_choice && !self.is_last_there() {
                 if !self.draw() {
-                    ended = Some(self.exhausted());
+                    self.ended = Some(self.exhausted());
                 }
                 continue;
             }
             if !self.under_way.is_empty() {
                 self.take_next();
-            } else if let Some(reason) = ended {
+            } else if let Some(reason) = self.ended.take() {
                 return reason;
             } else if !self.draw() {
-                ended = Some(self.exhausted());
+                self.ended = Some(self.exhausted());
             }
         }
     }
@@ -326,6 +334,14 @@ impl Run<'_> {
         self.request.solutions == 1 && next.is_some_and(|done| done.plan.is_some())
     }
 
+    /// True if there is a plan, and more sequences are to be tried on the coarse grid before others are held.
+    fn chooses(&self) -> bool {
+        let more = self.ended.is_none() || !self.under_way.is_empty() || self.has_unmoved();
+        more && self.diverse.best().is_some()
+            && self.moved < self.request.min_optimised
+            && !self.is_after(CHOOSING_SHARE * self.deadline())
+    }
+
     /// Why the search ends now, if it does.
     fn is_over(&self) -> Option<String> {
         let plans = self.diverse.len();
@@ -334,7 +350,7 @@ impl Run<'_> {
             Some("stopped by the caller".into())
         } else if self.is_after(self.deadline()) {
             Some(format!("time limit of {} s", request.time_limit))
-        } else if plans >= request.solutions {
+        } else if plans >= request.solutions && !self.chooses() {
             Some(format!("{plans} plan(s) found, as asked for"))
         } else {
             None

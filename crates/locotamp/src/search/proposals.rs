@@ -18,6 +18,11 @@ use symbolic::{Contact, ContactState, Sequence};
 const DIFFERENT_AT_END: usize = 2;
 /// Sequences drawn for each that is optimised.
 const DRAWS: usize = 4;
+/// The same once there is a plan and the best of many is sought.
+const DRAWS_TO_CHOOSE: usize = 1;
+/// Iterations after which a sequence is given up once there is a plan and the best of many is sought: motions that take more cost
+/// nearly twice as much as others where they are found at all (benches/runs/2026-11-26-best-of-many.md).
+const PATIENCE: usize = 100;
 /// Sequences tried on the coarse grid before the first is tried on a finer one, which takes three times as long.
 const CHOICE: usize = 2;
 /// Work that a draw counts as ([`super::turns`]): about what is done in the same time on one motion.
@@ -120,7 +125,7 @@ impl Run<'_> {
     ///
     /// If that has its motion, it is tried on a finer grid; but not before there are some to choose from, unless no other waits. A
     /// motion is expected to cost as much more than its keyframes promise as half of the others did, and begun only if so many
-    /// sequences have been drawn that there is a choice.
+    /// sequences have been drawn that there is a choice. While the best of many is sought, one plan is enough.
     fn next(&self, has_choice: bool) -> Option<usize> {
         let growth = self.usual_growth();
         let cost = |n: usize| {
@@ -135,7 +140,8 @@ impl Run<'_> {
                 .min_by(|&a, &b| cost(a).total_cmp(&cost(b)))
         };
         let begun = least(false).filter(|_| !self.is_full());
-        match (least(true), begun) {
+        let held = least(true).filter(|_| !self.chooses());
+        match (held, begun) {
             (Some(hold), Some(begin)) if self.moved >= CHOICE && cost(hold) <= cost(begin) => {
                 Some(hold)
             }
@@ -147,6 +153,12 @@ impl Run<'_> {
     /// True if as many motions have been begun as the search may optimise.
     pub fn is_full(&self) -> bool {
         self.submitted >= self.request.max_optimised
+    }
+
+    /// True if a sequence waits that may still get its motion on the coarse grid.
+    pub fn has_unmoved(&self) -> bool {
+        let unmoved = |(candidate, _): &(Candidate, Work)| candidate.coarse.is_none();
+        !self.is_full() && self.waiting.iter().any(unmoved)
     }
 
     /// What motions on the coarse grid cost more than their keyframes promised: the median.
@@ -170,7 +182,8 @@ impl Run<'_> {
             Work::Move(nodes) => {
                 let phases = self.shop.planner.paced(&phases, self.shop.settings, &nodes);
                 let relative = nearest(&self.relatives, &phases);
-                (phases, Start::Keyframes(nodes, relative))
+                let most = if self.chooses() { PATIENCE } else { usize::MAX };
+                (phases, Start::Keyframes(nodes, relative, most))
             }
             Work::Hold(point, steps) => {
                 let start = Start::Coarse(point, cost.unwrap_or(f64::INFINITY));
@@ -196,6 +209,7 @@ impl Run<'_> {
     pub fn has_choice(&self) -> bool {
         let draws = match self.submitted {
             1..FIRST => 0,
+            _ if self.chooses() => DRAWS_TO_CHOOSE,
             _ => DRAWS,
         };
         self.drawn >= self.drawn_before + draws

@@ -71,6 +71,10 @@ impl Run<'_> {
             cost: done.cost,
         });
         self.grown.push(done.cost - candidate.promise);
+        if self.request.min_optimised > 0 {
+            let reward = self.coarse_rewards.of_plan(done.cost);
+            self.policy.learn(&candidate.sequence.states, reward);
+        }
         let Some(point) = done.point else { return };
         if self.is_nearest(done.violation) {
             self.nearest = Some(Nearest {

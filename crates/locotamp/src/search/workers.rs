@@ -26,8 +26,8 @@ pub(super) struct Job {
 
 /// What the motion starts from.
 pub(super) enum Start {
-    /// Keyframes, or, if there is one, first the motion of a relative.
-    Keyframes(Vec<Vec<f64>>, Option<Arc<Relative>>),
+    /// Keyframes, or, if there is one, first the motion of a relative; and the most iterations.
+    Keyframes(Vec<Vec<f64>>, Option<Arc<Relative>>, usize),
     /// Its motion on the coarse grid, and what that costs.
     Coarse(Point, f64),
     /// It is known, and whether it is feasible.
@@ -229,7 +229,8 @@ impl Shop<'_> {
                 motion.feasible = feasible;
                 return self.report(&job.labels, &mut motion);
             }
-            Start::Keyframes(nodes, relative) => {
+            Start::Keyframes(nodes, relative, most) => {
+                let mut watch = |i: &Iteration| watch(i) && i.number < most;
                 let near =
                     relative.and_then(|r| planner.motion_from(phases, settings, &r, &mut watch));
                 let mut motion =

@@ -1,6 +1,7 @@
 //! Whole searches on a small scene: the same for a seed however many threads there are, and continued from their journal.
 
 use locotamp::{Attempt, Error, Event, Outcome, Reached, Request, Search, Stop};
+use ocp::Refinement;
 use scene::Scene;
 use std::path::Path;
 use std::sync::atomic::Ordering;
@@ -230,6 +231,44 @@ fn motions_that_must_hold_on_a_finer_grid_are_the_same_for_all_threads_and_from_
     };
     assert!(costs(&whole).iter().any(Option::is_some));
     assert_eq!(costs(&again), costs(&whole));
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "slow without optimisation")]
+fn the_best_of_many_sequences_costs_no_more_than_the_first_and_is_the_same_for_all_threads() {
+    const MANY: usize = 7;
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("journal.jsonl");
+    let with = |min_optimised, threads, resume| {
+        plan(&Request {
+            solutions: 1,
+            min_optimised,
+            threads,
+            resume,
+            refinement: Some(Refinement {
+                max_step: 0.06,
+                ..Refinement::default()
+            }),
+            ..request(Some(&path))
+        })
+    };
+    let cost = |outcome: &Outcome| outcome.alternatives[0].cost;
+    let moved = |outcome: &Outcome| {
+        let attempts = outcome.attempts.iter();
+        attempts.filter(|attempt| attempt.iterations > 0).count()
+    };
+    let first = with(0, 1, false);
+    let best = with(MANY, 1, false);
+    assert!(moved(&first) < MANY && moved(&best) >= MANY);
+    assert!(cost(&best) <= cost(&first));
+
+    let text = std::fs::read_to_string(&path).expect("a journal");
+    let lines: Vec<&str> = text.lines().collect();
+    std::fs::write(&path, lines[..lines.len() / 2].join("\n") + "\n").expect("written");
+    let resumed = with(MANY, 2, true);
+    for other in [resumed, with(MANY, 4, false)] {
+        assert_eq!(results(&other.attempts), results(&best.attempts));
+    }
 }
 
 #[test]
