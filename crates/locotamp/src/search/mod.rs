@@ -325,13 +325,14 @@ impl Run<'_> {
         }
     }
 
-    /// True if the next result is there, and is the one plan that is asked for.
+    /// True if the next result is there, and is the one plan that is asked for: the search ends with it.
     fn is_last_there(&mut self) -> bool {
         while let Ok(message) = self.workers.messages.try_recv() {
             self.receive(message);
         }
+        let is_last = self.request.solutions == 1 && self.moved >= self.request.min_optimised;
         let next = self.under_way.next();
-        self.request.solutions == 1 && next.is_some_and(|done| done.plan.is_some())
+        is_last && next.is_some_and(|done| done.plan.is_some())
     }
 
     /// True if there is a plan, and more sequences are to be tried on the coarse grid before others are held.
