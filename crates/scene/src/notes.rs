@@ -2,7 +2,7 @@
 
 use crate::fit::contains;
 use crate::{Interface, Owner, Role, Scene};
-use multibody::{Centroidal, Kinematics};
+use multibody::{Centroidal, Joint, JointKind, Kinematics};
 use nalgebra::{Vector2, Vector3};
 use spatial::Inertia;
 
@@ -10,6 +10,8 @@ use spatial::Inertia;
 const LEAST: f64 = 1e-3;
 /// How deep inside its own link a hand or foot must be to be told, and how deep one is looked for [mm].
 const SUNK: (u32, u32) = (10, 300);
+/// Lever of the robot's weight beyond whose torque no motor of a humanoid gets [m]: the G1's give 0.43 m, the H1's 0.6 m.
+const LONGEST_LEVER: f64 = 1.0;
 /// Share by which the inertia about an axis may exceed that about the other two: what rounding does to a rod's.
 const PLAY: f64 = 0.01;
 
@@ -20,6 +22,7 @@ impl Scene {
         notes.extend(self.doubts.iter().cloned());
         notes.extend(self.shapeless());
         notes.extend(self.impossible_inertias());
+        notes.extend(self.boundless_torques());
         for interface in &self.interfaces {
             let deep = self.inside_own_link(interface);
             if deep > SUNK.0 {
@@ -85,6 +88,26 @@ impl Scene {
                 links.join(", ")
             )
         })
+    }
+
+    /// Torque limits that limit nothing, as simulators have them.
+    fn boundless_torques(&self) -> Option<String> {
+        let model = &self.robot.model;
+        let most = LONGEST_LEVER * model.total_mass() * self.gravity.norm().max(1.0);
+        let is_boundless = |joint: &&Joint| {
+            let limit = joint.torque_limit;
+            matches!(joint.kind, JointKind::Revolute { .. }) && limit.is_finite() && limit > most
+        };
+        let boundless: Vec<&Joint> = model.joints.iter().filter(is_boundless).collect();
+        let first = boundless.first()?;
+        Some(format!(
+            "torque limits such as the {} N m of {} are beyond any motor of such a robot, whose whole weight on a lever of 1 m makes \
+             {most:.0} N m; those of {} of its {} joints limit nothing: give the motors' own",
+            first.torque_limit,
+            first.name,
+            boundless.len(),
+            model.joints.len() - 1
+        ))
     }
 
     /// How far it is along the normal of a hand or foot out of its own link, whole millimetres; 0 for what is not the robot's.
@@ -223,5 +246,20 @@ mod tests {
             "{:?}",
             rod.notes()
         );
+    }
+
+    #[test]
+    fn torque_limits_that_no_motor_has_are_told() {
+        let mut scene = Scene::builtin("side-step").unwrap();
+        let joints = &mut scene.robot.model.joints;
+        (joints[2].torque_limit, joints[3].torque_limit) = (f64::INFINITY, 2e4);
+        let note = &scene.notes()[0];
+        for part in [
+            "20000 N m",
+            &scene.robot.model.joints[3].name,
+            "1 of its 29",
+        ] {
+            assert!(note.contains(part), "{note}");
+        }
     }
 }

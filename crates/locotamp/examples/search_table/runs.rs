@@ -138,7 +138,7 @@ pub struct Group {
     pub max_optimised: usize,
     /// Plans with different loaded contacts after which a run without another end is over.
     #[serde(default)]
-    pub solutions: Option<usize>,
+    pub wanted_plans: Option<usize>,
     /// True if the best plan is refined, within the time limit.
     pub refine: bool,
 }
@@ -153,7 +153,7 @@ impl Group {
             time_limit,
             min_optimised: 0,
             max_optimised: EVALUATED,
-            solutions: None,
+            wanted_plans: None,
             refine: false,
         }
     }
@@ -162,7 +162,7 @@ impl Group {
     fn best_of_all(self) -> Self {
         Self {
             min_optimised: self.max_optimised,
-            solutions: Some(5),
+            wanted_plans: Some(5),
             ..self
         }
     }
@@ -226,7 +226,7 @@ impl Run {
             time_limit: group.time_limit,
             solutions: match group.until {
                 Until::Plan => 1,
-                Until::Climbed | Until::Limits => group.solutions.unwrap_or(usize::MAX),
+                Until::Climbed | Until::Limits => group.wanted_plans.unwrap_or(usize::MAX),
             },
             min_optimised: group.min_optimised,
             max_optimised: group.max_optimised,
