@@ -33,6 +33,7 @@ mod shapes;
 mod source;
 mod split;
 mod start;
+mod tiny_masses;
 mod torque_speed;
 mod touch;
 mod types;

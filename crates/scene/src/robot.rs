@@ -8,6 +8,7 @@ use crate::mesh_shapes::with_fitted_shapes;
 use crate::nearest::{list, nearest};
 use crate::parse::parse;
 use crate::source::{At, Place, Source};
+use crate::tiny_masses::with_tiny_masses;
 use crate::torque_speed::{TorqueSpeedEntry, set_torque_speed};
 use crate::velocity_limits::with_velocity_limits;
 use crate::{Fault, Interface, PlacedShape, Robot, SceneError, Shape};
@@ -103,6 +104,7 @@ pub(crate) fn load(
     let Description {
         urdf, home, notes, ..
     } = &texts.description;
+    let urdf = &with_tiny_masses(urdf);
     let mut model = read(urdf)?;
     let fitted = with_fitted_shapes(urdf, &mesh_folders(&texts, &base_dir.join(name), meshes)?);
     if fitted.urdf != *urdf {
