@@ -324,8 +324,8 @@ def beyond(plane, points):
     return ((points - plane.translation) @ plane.rotation)[:, 2].max()
 
 
-def wrist_beyond(model, hand, patch, meshes):
-    """The same of the two joints above a hand, with the hand's joint at the angle where it is least [m]."""
+def wrist_beyond(model, hand, patch, points):
+    """The same of the two joints above a hand, whose points are given by joint, at 40 angles of the hand's joint [m]."""
     data, q = model.createData(), pin.neutral(model)
     at = model.joints[hand].idx_q
     above = [model.parents[hand], model.parents[model.parents[hand]]]
@@ -333,9 +333,8 @@ def wrist_beyond(model, hand, patch, meshes):
     for q[at] in np.linspace(model.lowerPositionLimit[at], model.upperPositionLimit[at], 40):
         pin.forwardKinematics(model, data, q)
         plane = data.oMi[hand] * patch
-        points = [m.vertices @ data.oMi[j].rotation.T + data.oMi[j].translation for j in above for _, m in meshes[j]]
-        found.append(beyond(plane, np.vstack(points)))
-    return min(found)
+        found.append(max(beyond(plane, points[j] @ data.oMi[j].rotation.T + data.oMi[j].translation) for j in above))
+    return np.array(found)
 
 
 def check_interfaces(r, model, robot, shapes, meshes):
@@ -363,8 +362,12 @@ def check_interfaces(r, model, robot, shapes, meshes):
         else:
             hand = np.vstack([m.vertices for _, m in meshes[frame.parentJoint]])
             r.line(f"{i['name']}: plane from the mesh", abs(beyond(patch, hand)), PALM_TOLERANCE)
-            wrist = wrist_beyond(model, frame.parentJoint, patch, meshes)
+            vertices = {j: np.vstack([m.vertices for _, m in body]) for j, body in meshes.items()}
+            wrist = wrist_beyond(model, frame.parentJoint, patch, vertices).min()
             r.line(f"{i['name']}: wrist and forearm beyond the plane, at the best of 40 wrist angles", max(0, wrist), PALM_TOLERANCE)
+            outsides = {j: np.vstack([surface(s) for s in body]) for j, body in shapes.items()}
+            behind = np.count_nonzero(wrist_beyond(model, frame.parentJoint, patch, outsides) <= PALM_TOLERANCE)
+            r.holds(f"{i['name']}: their shapes behind it at {behind} of the 40, at least 15", behind >= 15)
             ahead = [(M.rotation @ (np.array(c) * s[3]) + M.translation)[2] for s, M in box for c in itertools.product((-1, 1), repeat=3)]
             r.line(f"{i['name']}: boxes beyond the plane", max(0, max(ahead)), PALM_TOLERANCE)
     r.holds("interfaces left_foot, right_foot, left_hand, right_hand", names == {"left_foot", "right_foot", "left_hand", "right_hand"})

@@ -13,6 +13,7 @@ Options: link names restrict the fit to them and print their numbers, without wr
 """
 import site
 import sys
+import warnings
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
@@ -24,14 +25,17 @@ from scipy.optimize import least_squares
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
+warnings.filterwarnings("ignore", message="Gimbal lock")   # a capsule along x has no unique angles
+
 UNDER, HULL, OVER = 0.003, 0.007, 0.006   # m: distances that cost one unit
 PITCH = 0.004                  # m: voxels of the distance field
 SOLE_Z = -0.0354               # m: the sole plane in left_ankle_roll_link, measured (see docs/robots.md)
 PALM_Y = -0.0125               # m: the palm plane in left_rubber_hand, measured
+YAW_X = 0.046                  # m: the axis of the wrist's yaw joint in left_wrist_pitch_link, whose housing is round about it
 
 # Shapes of each link: kind and material. box: axis-aligned in the link's frame; pbox: pitched about y; rbox: pitched and
 # rolled; obox: any orientation; cap: capsule; ball: sphere; ybox, yball: symmetric in y; wcap: symmetric, its axis along y;
-# sole, palm: a box with one face given.
+# sole, palm: a box with one face given; xcap: a capsule along x that ends at YAW_X.
 LINKS = {
     "pelvis": [("box", "graphite")],
     "pelvis_contour_link": [("wcap", "shell")],
@@ -50,7 +54,7 @@ LINKS = {
     "left_shoulder_yaw_link": [("pbox", "shell")],
     "left_elbow_link": [("pbox", "shell"), ("pbox", "shell")],
     "left_wrist_roll_link": [("ball", "joint")],
-    "left_wrist_pitch_link": [("pbox", "shell")],
+    "left_wrist_pitch_link": [("xcap", "shell")],
     "left_wrist_yaw_link": [("ball", "joint")],
     "left_rubber_hand": [("palm", "rubber"), ("obox", "rubber")],
 }
@@ -77,7 +81,7 @@ HEADER = """
 # ---------------------------------------------------------------- shapes
 # ("box", centre, R, half) | ("cap", p0, p1, radius), a sphere if p0 = p1
 
-SIZES = {"box": 6, "obox": 9, "pbox": 7, "rbox": 8, "ybox": 6, "cap": 7, "wcap": 4, "ball": 4, "yball": 3, "sole": 4, "palm": 5}
+SIZES = {"box": 6, "obox": 9, "pbox": 7, "rbox": 8, "ybox": 6, "cap": 7, "wcap": 4, "xcap": 2, "ball": 4, "yball": 3, "sole": 4, "palm": 5}
 
 
 def shape(kind, x):
@@ -96,6 +100,8 @@ def shape(kind, x):
     if kind == "wcap":
         h = np.exp(x[2])
         return "cap", np.array([x[0], -h, x[1]]), np.array([x[0], h, x[1]]), np.exp(x[3])
+    if kind == "xcap":
+        return "cap", np.array([x[0], 0, 0]), np.array([YAW_X, 0, 0]), np.exp(x[1])
     if kind == "ball":
         return "cap", x[:3], x[:3], np.exp(x[3])
     if kind == "yball":
@@ -120,6 +126,9 @@ def start(kind, P):
     if kind == "wcap":
         r = half[[0, 2]].mean()
         return np.r_[mid[[0, 2]], np.log(max(half[1] - r, 0.005)), np.log(r)]
+    if kind == "xcap":
+        r = half[1:].mean()
+        return np.r_[lo[0] + r, np.log(r)]
     if kind == "cap":
         Q = P - c
         axis = np.linalg.svd(Q, full_matrices=False)[2][0]

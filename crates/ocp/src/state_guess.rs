@@ -28,8 +28,9 @@ const PLACES: [(f64, f64, f64); 8] = [
 const MEETINGS: [f64; 3] = [0.0, 0.7, -0.7];
 /// Room between a hand and what it meets [m].
 const ROOM: f64 = 0.05;
-/// Distance of the base from a wall that a hand touches [m], and turns of the base from facing it [rad].
-const BEFORE: f64 = 0.45;
+/// Distances of the base from a wall that a hand touches, the second one if something stands before it [m], and turns of the
+/// base from facing it [rad].
+const BEFORE: [f64; 2] = [0.45, 0.75];
 const SIDES: [f64; 3] = [0.0, 0.5 * PI, -0.5 * PI];
 /// Horizontal part of a normal below which it says nothing of a direction.
 const UPRIGHT: f64 = 0.3;
@@ -103,15 +104,16 @@ pub fn before_walls(scene: &Scene, system: &System, state: &ContactState) -> Vec
         (place.x, place.y) = (place.x.clamp(-x, x), place.y.clamp(-y, y));
     }
     place.z = 0.0;
-    let mut origin = world_from_face.act(place) + BEFORE * normal;
-    origin.z = base.origin().z;
     let ahead = base.rotate(Vector3::x());
     let facing = (-normal.y).atan2(-normal.x) - ahead.y.atan2(ahead.x);
-    let at = |side: &f64| {
+    let at = |(before, side): (f64, f64)| {
+        let mut origin = world_from_face.act(place) + before * normal;
+        origin.z = base.origin().z;
         let about = turned(&base, facing + side);
         with_base(&q, &Pose::from_parts(*about.rotation(), origin))
     };
-    SIDES.iter().map(at).collect()
+    let places = BEFORE.iter().flat_map(|&d| SIDES.map(|side| (d, side)));
+    places.map(at).collect()
 }
 
 fn turned(pose: &Pose, angle: f64) -> Pose {
@@ -220,11 +222,26 @@ mod tests {
         let settings = Settings::new(Preset::Default, &scene.optimiser);
         let leaning = ContactType::UnilateralPatch;
         let (_, state) = standing_with(&scene, "left_hand", "wall_face", leaning);
-        assert_eq!(before_walls(&scene, &planner.system, &state).len(), 3);
+        assert_eq!(before_walls(&scene, &planner.system, &state).len(), 6);
         let found = planner.state(&state, &settings);
         assert!(found.possible, "{:?}", found.worst);
         // What is level is no wall.
         let (_, state) = standing_with(&scene, "left_hand", "ground_top", leaning);
         assert!(before_walls(&scene, &planner.system, &state).is_empty());
+    }
+
+    /// Close before the wall stands a table.
+    #[test]
+    fn a_hand_reaches_a_wall_over_a_table() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/button.toml");
+        let scene = Scene::load(&path).unwrap();
+        let planner = Planner::new(&scene).unwrap();
+        let settings = Settings::new(Preset::Default, &scene.optimiser);
+        let leaning = ContactType::UnilateralPatch;
+        let (contact, state) = standing_with(&scene, "right_hand", "button", leaning);
+        for state in [[contact].into_iter().collect(), state] {
+            let found = planner.state(&state, &settings);
+            assert!(found.possible, "{:?}", found.worst);
+        }
     }
 }

@@ -29,7 +29,7 @@ pub(super) const BLUR: f64 = 1.4 * EVENNESS;
 const RAMP: (f64, f64) = (-0.002, 0.008);
 /// How deep what touches by a point alone may be in what it touches, beyond what its point is inside its own link [m].
 const POINT_PLAY: f64 = 0.003;
-/// The most that is demanded at a contact [m], and of the neighbours in the limb of what has it, which do not touch.
+/// The most that is demanded at a contact [m], and of the neighbours in the limb of what has it, which need not touch.
 const MOST_AT_CONTACT: f64 = -0.008;
 const MOST_BESIDE_CONTACT: f64 = -0.003;
 /// Share of the clearance that is demanded of a hand and its wrist from what the object that it grasps or places stands on.
@@ -341,24 +341,18 @@ impl CollisionModel {
         };
         let own = (at.since)(a, other);
         let neighbours = self.neighbours[a].iter();
-        // Neighbours are one part later on the ramp: no clearance, but no overlap either.
-        let beside = neighbours
-            .filter_map(|&j| (at.since)(j, other))
-            .map(|since| Since {
-                parts: since.parts + 1.0,
-                ..since
-            });
+        let beside = neighbours.filter_map(|&j| (at.since)(j, other));
         let sooner = |x: &Since, y: &Since| x.parts.total_cmp(&y.parts);
         let beside = beside.min_by(sooner);
         let rise = |parts: f64| landing::rise(program, at.node, parts).unwrap_or(RAMP.1 * parts);
         let there = |node: usize| says(&at.kinematics[node]) + RAMP.0;
-        let from = |since: Since| there(since.node).min(MOST_AT_CONTACT) + rise(since.parts);
         let mut demanded = match (own, beside) {
-            (Some(own), beside) if beside.is_none_or(|b| own.parts <= b.parts) => from(own),
+            (Some(own), beside) if beside.is_none_or(|b| own.parts <= b.parts) => {
+                there(own.node).min(MOST_AT_CONTACT) + rise(own.parts)
+            }
             (_, Some(beside)) => {
                 let overlap = self.depth(a, primitive, &at.kinematics[beside.node]);
-                let without = there(beside.node) + overlap;
-                from(beside).max(without.min(MOST_BESIDE_CONTACT))
+                (there(beside.node) + overlap).min(MOST_BESIDE_CONTACT) + rise(beside.parts)
             }
             _ => full,
         };

@@ -136,6 +136,42 @@ fn what_is_beside_a_contact_may_not_overlap_as_it_does_in_the_guide() {
     assert!(demanded.iter().all(|d| *d > -0.012), "{demanded:?}");
 }
 
+#[test]
+fn a_wrist_may_be_as_near_to_a_wall_as_the_palm_on_it_makes_it() {
+    let Sequence { scene, phases } = Sequence::load("support/button.toml");
+    let planner = Planner::new(&scene).unwrap();
+    let settings = Settings::new(Preset::Default, &scene.optimiser);
+    let keyframes = planner.keyframes(&phases, &settings);
+    assert!(keyframes.possible, "{:?}", keyframes.worst);
+    let steps: usize = phases.iter().map(|p| p.steps).sum();
+    let reach = phases.last().unwrap().steps;
+    let model = &planner.system.model;
+    let wrist = ["right_wrist_pitch_joint", "right_wrist_roll_joint"]
+        .map(|name| model.joints.iter().position(|j| j.name == name).unwrap());
+    let nodes = vec![keyframes.nodes[phases.len()].clone(); steps + 1];
+    let none = Crossings::new();
+    let near = || Clearances::Near {
+        nodes: &nodes,
+        crossings: &none,
+    };
+    let program = planner.program(&phases, &settings, Grid::Motion, near());
+    let pairs = planner.collisions.pairs(&program, &scene, &phases, near());
+    let mut kinematics = Kinematics::new(model);
+    kinematics.update(model, &nodes[0]);
+    let (mut at_contact, mut nearest) = (0, f64::INFINITY);
+    for pair in pairs
+        .iter()
+        .filter(|p| wrist.contains(&p.a) && p.b.is_none())
+    {
+        let says = value(&*pair.term, &kinematics.world_from_joint[pair.a]);
+        if node(pair) > steps - reach {
+            assert!(pair.term.bounds()[0].0 < says, "{says} m in {pair:?}");
+            (at_contact, nearest) = (at_contact + 1, says.min(nearest));
+        }
+    }
+    assert!(at_contact > 0 && nearest < 0.01, "{nearest} m");
+}
+
 /// The demanded clearance of a joint and static bodies, the least at each node of a sequence of the repository at its start,
 /// where `wish` is wanted.
 fn demanded(name: &str, joint: &str, wish: f64) -> (usize, Vec<Option<f64>>) {
