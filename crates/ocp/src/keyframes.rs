@@ -275,8 +275,8 @@ impl<'a> Ask<'a> {
     }
 
     /// Solves from keyframes of the first phases, then from another guess, if there is one, then from one from the sequence alone,
-    /// then, for few phases and unless these ended far from satisfying everything, from the first and the last with short
-    /// steps.
+    /// then, for few phases and unless these ended far from satisfying everything, from one solved boundary by boundary if
+    /// clearances resist, and from the first and the last with short steps.
     fn answer_after(
         &self,
         known: &[Vec<f64>],
@@ -301,6 +301,11 @@ impl<'a> Ask<'a> {
         if best.report.violation > FAR || phases.len() > CAREFUL_PHASES {
             return best;
         }
+        if !rows {
+            return self.carefully(best, rows, vec![after, guess]);
+        }
+        let (forward, watched) = self.forward(guess.clone());
+        let best = less_violated(best, self.solve(forward, watched).0);
         self.carefully(best, rows, vec![after, guess])
     }
 

@@ -68,6 +68,20 @@ impl InPlace {
             .collect()
     }
 
+    /// What the boundaries of [`InPlace::with_middles`] may have, from what those of [`InPlace::states`] have: `between` makes a
+    /// middle of what a state begins and ends with.
+    pub fn middles_between<T: Clone>(&self, nodes: &[T], between: impl Fn(&T, &T) -> T) -> Vec<T> {
+        let mut out = vec![];
+        for (ends, times) in nodes.windows(2).zip(self.times()) {
+            out.push(ends[0].clone());
+            if times > 1 {
+                out.push(between(&ends[0], &ends[1]));
+            }
+        }
+        out.extend(nodes.last().cloned());
+        out
+    }
+
     /// What the boundaries of the sequence with steps have, from what those of [`InPlace::with_middles`] have: `nodes`, one more
     /// than there are states.
     pub fn with_steps<T: Clone>(&self, nodes: &[T]) -> Vec<T> {
@@ -123,6 +137,8 @@ mod tests {
         let [stands, _, _, holds, lifts] = states;
         assert_eq!(still.states, [stands.clone(), holds.clone(), lifts.clone()]);
         assert_eq!(still.with_middles(), [stands.clone(), stands, holds, lifts]);
+        let between = still.middles_between(&[0, 10, 20, 30], |a, b| (a + b) / 2);
+        assert_eq!(between, [0, 5, 10, 20, 30]);
         let expected = [0, 1, 1, 2, 3, 4];
         assert_eq!(still.with_steps(&[0, 1, 2, 3, 4]), expected);
     }

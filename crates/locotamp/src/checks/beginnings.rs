@@ -81,9 +81,20 @@ impl Checks<'_> {
             matches!(pair, (Owner::Robot { .. }, Owner::Static(_)))
         };
         let still = in_place(&states, false, stands)?;
-        let states = still.with_middles().into_iter();
-        let phases: Vec<Phase> = states.map(|state| self.phase(state)).collect();
-        let nodes = self.nodes(&phases)?;
+        let phases = |states: Vec<ContactState>| -> Vec<Phase> {
+            states.into_iter().map(|s| self.phase(s)).collect()
+        };
+        let (with_middles, without) = (phases(still.with_middles()), phases(still.states.clone()));
+        let nodes = self.nodes(&with_middles).or_else(|| {
+            let model = &self.planner.system.model;
+            let half_way = |a: &Vec<f64>, b: &Vec<f64>| {
+                let way = model.difference(a, b);
+                model.integrate(a, &way.iter().map(|d| 0.5 * d).collect::<Vec<_>>())
+            };
+            let guess = still.middles_between(&self.nodes(&without)?, half_way);
+            let found = (self.planner).keyframes_near(&guess, &with_middles, self.settings, true);
+            found.possible.then_some(found.nodes)
+        })?;
         Some(still.with_steps(&nodes))
     }
 

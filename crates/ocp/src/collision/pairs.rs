@@ -29,9 +29,11 @@ pub(super) const BLUR: f64 = 1.4 * EVENNESS;
 const RAMP: (f64, f64) = (-0.002, 0.008);
 /// How deep what touches by a point alone may be in what it touches, beyond what its point is inside its own link [m].
 const POINT_PLAY: f64 = 0.003;
-/// The most that is demanded at a contact [m], and of the neighbours in the limb of what has it, which need not touch.
+/// The most that is demanded at a contact [m].
 const MOST_AT_CONTACT: f64 = -0.008;
-const MOST_BESIDE_CONTACT: f64 = -0.003;
+/// The least and the most that is demanded there of the neighbours in the limb of what touches [m]: no overlap, of which a smooth
+/// distance falls short by some millimetres.
+const BESIDE_CONTACT: (f64, f64) = (-0.005, -0.003);
 /// Share of the clearance that is demanded of a hand and its wrist from what the object that it grasps or places stands on.
 const THROUGH: f64 = 0.25;
 /// Sixteenths of a phase after a body has left where it stands at the start in which what is near there may still be so.
@@ -352,7 +354,8 @@ impl CollisionModel {
             }
             (_, Some(beside)) => {
                 let overlap = self.depth(a, primitive, &at.kinematics[beside.node]);
-                (there(beside.node) + overlap).min(MOST_BESIDE_CONTACT) + rise(beside.parts)
+                let without = there(beside.node) + overlap;
+                without.clamp(BESIDE_CONTACT.0, BESIDE_CONTACT.1) + rise(beside.parts)
             }
             _ => full,
         };
