@@ -301,11 +301,12 @@ impl<'a> Ask<'a> {
         if best.report.violation > FAR || phases.len() > CAREFUL_PHASES {
             return best;
         }
-        if !rows {
-            return self.carefully(best, rows, vec![after, guess]);
-        }
-        let (forward, watched) = self.forward(guess.clone());
-        let best = less_violated(best, self.solve(forward, watched).0);
+        let best = if rows {
+            let (forward, watched) = self.forward(guess.clone());
+            less_violated(best, self.solve(forward, watched).0)
+        } else {
+            best
+        };
         self.carefully(best, rows, vec![after, guess])
     }
 

@@ -86,16 +86,20 @@ impl Checks<'_> {
         };
         let (with_middles, without) = (phases(still.with_middles()), phases(still.states.clone()));
         let nodes = self.nodes(&with_middles).or_else(|| {
-            let model = &self.planner.system.model;
-            let half_way = |a: &Vec<f64>, b: &Vec<f64>| {
-                let way = model.difference(a, b);
-                model.integrate(a, &way.iter().map(|d| 0.5 * d).collect::<Vec<_>>())
-            };
-            let guess = still.middles_between(&self.nodes(&without)?, half_way);
+            let nodes = self.nodes(&without)?;
+            let guess = still.middles_between(&nodes, |a, b| self.on_the_way(a, b, 0.5));
             let found = (self.planner).keyframes_near(&guess, &with_middles, self.settings, true);
             found.possible.then_some(found.nodes)
         })?;
         Some(still.with_steps(&nodes))
+    }
+
+    /// The configuration at a share of the way from one to another.
+    pub(super) fn on_the_way(&self, from: &[f64], to: &[f64], share: f64) -> Vec<f64> {
+        let model = &self.planner.system.model;
+        let way = model.difference(from, to);
+        let part: Vec<f64> = way.iter().map(|d| share * d).collect();
+        model.integrate(from, &part)
     }
 
     fn remember(&mut self, phases: &[Phase], found: &Keyframes) {

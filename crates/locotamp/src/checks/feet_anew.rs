@@ -33,14 +33,8 @@ impl Checks<'_> {
         {
             return None;
         }
-        let model = &self.planner.system.model;
         let (from, to) = (&nodes[at + 1], &nodes[at + 3]);
-        let way = model.difference(from, to);
-        let part = |n: usize| -> Vec<f64> {
-            let share = n as f64 / more as f64;
-            let way: Vec<f64> = way.iter().map(|d| share * d).collect();
-            model.integrate(from, &way)
-        };
+        let part = |n: usize| self.on_the_way(from, to, n as f64 / more as f64);
         let first = nodes[..=at + 1].iter().cloned();
         let rest = nodes[at + 4..].iter().cloned();
         Some(first.chain((1..=more).map(part)).chain(rest).collect())
