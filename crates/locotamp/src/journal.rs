@@ -82,6 +82,15 @@ pub struct Answer {
     pub seconds: f64,
 }
 
+/// Where a complete sequence got more steps than it was drawn with.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Steps {
+    /// Contacts per phase, as drawn.
+    pub states: States,
+    /// One after the other: the phase in which all feet were set anew, and which of them first, both from 0.
+    pub rounds: Vec<(usize, usize)>,
+}
+
 /// A motion on the coarse grid, of a sequence that may be tried on a finer one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Coarse {
@@ -197,6 +206,7 @@ enum Line {
     Run(Header),
     State(Answer),
     Prefix(Answer),
+    Steps(Steps),
     Coarse(Box<Coarse>),
     Sequence(Box<Tried>),
 }
@@ -207,6 +217,7 @@ pub(crate) struct Journal {
     file: Option<File>,
     states: BTreeMap<States, Answer>,
     prefixes: BTreeMap<States, Answer>,
+    steps: BTreeMap<States, Vec<(usize, usize)>>,
     coarse: BTreeMap<States, Coarse>,
     sequences: BTreeMap<States, Tried>,
 }
@@ -292,6 +303,9 @@ impl Journal {
                 Line::Prefix(answer) => {
                     self.prefixes.insert(answer.states.clone(), answer);
                 }
+                Line::Steps(steps) => {
+                    self.steps.insert(steps.states, steps.rounds);
+                }
                 Line::Coarse(coarse) => {
                     self.coarse.insert(coarse.states.clone(), *coarse);
                 }
@@ -332,6 +346,17 @@ impl Journal {
     pub fn note_prefix(&mut self, answer: Answer) {
         self.prefixes.insert(answer.states.clone(), answer.clone());
         self.write(&Line::Prefix(answer));
+    }
+
+    /// Where a sequence got more steps; empty if it did not.
+    pub fn steps(&self, states: &States) -> &[(usize, usize)] {
+        self.steps.get(states).map_or(&[], Vec::as_slice)
+    }
+
+    pub fn note_steps(&mut self, states: States, rounds: Vec<(usize, usize)>) {
+        if !self.steps.contains_key(&states) {
+            self.write(&Line::Steps(Steps { states, rounds }));
+        }
     }
 
     /// What is known of a sequence from the run that is continued.

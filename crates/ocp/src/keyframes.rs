@@ -104,6 +104,13 @@ impl Planner<'_> {
         Ask::new(self, phases, settings, Grid::Keyframes).answer()
     }
 
+    /// The same from a guess from the sequence alone, which is the only one that is tried.
+    pub fn keyframes_at_once(&self, phases: &[Phase], settings: &Settings) -> Keyframes {
+        let guess = guess::keyframes(self.scene, &self.system, phases);
+        let ask = Ask::new(self, phases, settings, Grid::Keyframes);
+        ask.solve(guess, Watched::new()).0
+    }
+
     /// Keyframes from those of the first phases, `known`: where the rest begins from the end of these. `open` leaves out the
     /// goal regions. Only this guess is tried.
     pub fn keyframes_after(

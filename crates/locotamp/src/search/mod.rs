@@ -8,6 +8,7 @@
 
 mod diverse;
 mod failures;
+mod more_steps;
 mod proposals;
 mod results;
 mod reward;
@@ -28,6 +29,7 @@ use crate::start::check_start;
 use crate::{departures, domain};
 use diverse::{Diverse, Kept};
 use failures::Failures;
+use more_steps::Longer;
 use ocp::{Ending, Integrator, Phase, Planner, Point, Preset, Relative, Settings, Sticking};
 use proposals::{Candidate, Work};
 use reward::Rewards;
@@ -152,6 +154,7 @@ pub fn plan(
             rewards: Rewards::default(),
             coarse_rewards: Rewards::default(),
             failures: Failures::new(resting(scene)),
+            longer: Longer::default(),
             attempts: vec![],
             diverse: Diverse::new(request.solutions),
             refined: None,
@@ -258,6 +261,7 @@ struct Run<'a> {
     /// Of motions on the coarse grid, while the best of many is sought.
     coarse_rewards: Rewards,
     failures: Failures,
+    longer: Longer,
     attempts: Vec<Attempt>,
     /// The plans.
     diverse: Diverse,

@@ -3,13 +3,14 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::more_steps::Promise;
 use super::results::name;
 use super::workers::{Evaluated, Job, Start, with_steps};
 use super::{FIRST, Run, reward};
 use crate::api::{Attempt, Event, Reached};
 use crate::journal::{PointEntry, Tried};
 use crate::summary;
-use ocp::{Phase, Point, Relative};
+use ocp::{Keyframes, Phase, Point, Relative};
 use scene::{Objective, Owner, Role};
 use symbolic::search::Rejected;
 use symbolic::{Contact, ContactState, Sequence};
@@ -230,24 +231,37 @@ impl Run<'_> {
             number,
             labels: sequence.labels.clone(),
         });
+        if let Some(other) = self.longer.number_of(&sequence) {
+            self.leave_out_same(number, sequence, other);
+            return true;
+        }
+        let drawn = sequence;
+        let sequence = self.with_remembered_steps(&drawn);
         let states = self.names(&sequence);
         let journal = &mut self.checks.journal;
         let known = journal.take_sequence(&states);
-        let (promise, work) = if let Some(coarse) = journal.coarse(&states) {
+        let (sequence, promise, work) = if let Some(coarse) = journal.coarse(&states) {
             let work = Work::Remembered(Box::new(Evaluated::coarse(coarse)));
-            (coarse.promise, work)
+            (sequence, coarse.promise, work)
         } else if let Some(tried) = &known {
             let Some(promise) = tried.promise else {
                 self.leave_out_again(number, &sequence, tried);
                 return true;
             };
-            (promise, Work::known(tried, 0))
+            (sequence, promise, Work::known(tried, 0))
         } else {
-            let Some((promise, nodes)) = self.keyframes(number, &sequence, clock) else {
+            let Some((cost, nodes)) = self.keyframes(number, &drawn, clock) else {
                 return true;
             };
-            (promise, Work::Move(nodes))
+            let sequence = drawn.clone();
+            let longer = self.with_more_steps(Promise {
+                sequence,
+                cost,
+                nodes,
+            });
+            (longer.sequence, longer.cost, Work::Move(longer.nodes))
         };
+        self.longer.note(number, &drawn, &sequence);
         let candidate = Candidate {
             number,
             sequence,
@@ -289,20 +303,19 @@ impl Run<'_> {
             self.leave_out(number, sequence, Reached::Keyframes, Some(reason), clock);
             return None;
         }
+        Some((self.promise(&phases, &keyframes), keyframes.nodes))
+    }
+
+    /// The cost that keyframes promise.
+    pub fn promise(&self, phases: &[Phase], keyframes: &Keyframes) -> f64 {
         let promise = STRAIN * keyframes.report.objective + PHASE * phases.len() as f64;
-        let strides = self.strides(&phases, &keyframes.nodes);
-        Some((promise + strides, keyframes.nodes))
+        promise + self.strides(phases, &keyframes.nodes)
     }
 
     /// What long strides and flights add to that. Where the base is to get high, strides are what may help.
     fn strides(&self, phases: &[Phase], nodes: &[Vec<f64>]) -> f64 {
         let flights = phases.iter().filter(|p| self.flies(&p.state)).count();
-        let planner = self.shop.planner;
-        let leans = if planner.scene.objective == Objective::BaseHeight {
-            vec![]
-        } else {
-            planner.leans(phases, nodes)
-        };
+        let leans = self.leans(phases, nodes);
         let far = |lean: &f64| lean.clamp(EASY_LEAN, MOST_LEAN) - EASY_LEAN;
         LEAN * leans.iter().map(far).sum::<f64>() + FLIGHT * flights as f64
     }
@@ -362,6 +375,22 @@ impl Run<'_> {
         self.conclude(sequence, attempt, reward::LEFT_OUT, None);
     }
 
+    /// The same for one that another has become by more steps: it is tried already.
+    fn leave_out_same(&mut self, number: usize, sequence: Sequence, other: usize) {
+        self.policy.learn(&sequence.states, reward::LEFT_OUT);
+        self.count(Attempt {
+            number,
+            labels: sequence.labels,
+            reached: Reached::Alike,
+            reason: Some(format!(
+                "sequence {other} is the same, with more steps than it was drawn with"
+            )),
+            cost: None,
+            iterations: 0,
+            seconds: 0.0,
+        });
+    }
+
     /// The same for one that the run that is continued left out.
     fn leave_out_again(&mut self, number: usize, sequence: &Sequence, known: &Tried) {
         let alike = known.reached == name(Reached::Alike);
@@ -369,7 +398,7 @@ impl Run<'_> {
             let phases = self.phases(sequence);
             self.reject_prefix(sequence, &phases);
         }
-        self.policy.learn(&sequence.states, known.reward);
+        self.learn(&sequence.states, known.reward);
         self.count(Attempt {
             number,
             labels: sequence.labels.clone(),

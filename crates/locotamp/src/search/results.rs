@@ -73,7 +73,7 @@ impl Run<'_> {
         self.grown.push(done.cost - candidate.promise);
         if self.request.min_optimised > 0 {
             let reward = self.coarse_rewards.of_plan(done.cost);
-            self.policy.learn(&candidate.sequence.states, reward);
+            self.learn(&candidate.sequence.states, reward);
         }
         let Some(point) = done.point else { return };
         if self.is_nearest(done.violation) {
@@ -167,7 +167,7 @@ impl Run<'_> {
             seconds: done.seconds,
         };
         if known.is_some() {
-            self.policy.learn(&sequence.states, reward);
+            self.learn(&sequence.states, reward);
             self.count(attempt);
         } else {
             self.conclude(&sequence, attempt, reward, Some((&done, promise)));
@@ -233,7 +233,7 @@ impl Run<'_> {
         reward: f64,
         done: Option<(&Evaluated, f64)>,
     ) {
-        self.policy.learn(&sequence.states, reward);
+        self.learn(&sequence.states, reward);
         let statistics = self.policy.statistics(&sequence.states);
         let motion = done.map(|(motion, _)| motion);
         let kept = motion.filter(|m| m.feasible || self.is_nearest(m.violation));

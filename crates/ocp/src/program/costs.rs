@@ -116,6 +116,7 @@ impl Builder<'_> {
                 body: Body::Joint(p.system.object_joint(o)),
                 body_from_frame: Pose::identity(),
             };
+            let settles = (0..phases.len()).rfind(|&k| rests(k)).unwrap_or(0);
             for (t, pose) in poses.iter().enumerate().skip(1) {
                 if rests(t - 1) || t < phases.len() && rests(t) {
                     continue;
@@ -129,7 +130,7 @@ impl Builder<'_> {
                 let slot = p.nodes[t].slot(frame);
                 let approach = Approach {
                     distance: 0.0,
-                    centred: true,
+                    centred: t < settles,
                 };
                 let terms: [(Arc<dyn PoseTerm>, f64); 2] =
                     [(Arc::new(approach), CARRY), (Arc::new(Tilt), CARRY_UPRIGHT)];

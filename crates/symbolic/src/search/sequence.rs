@@ -1,6 +1,8 @@
 //! The result of a search: a contact sequence.
 
-use crate::contact::ContactState;
+use crate::action::Action;
+use crate::contact::{Contact, ContactState};
+use crate::domain::Domain;
 use crate::graph::{SkeletonGraph, StateId, Successor};
 
 /// A contact sequence s_1 … s_K.
@@ -36,6 +38,27 @@ impl Sequence {
             node = edge.node;
         }
         sequence
+    }
+}
+
+impl Sequence {
+    /// The sequence with swings in phase `at`, one after the other: each foot leaves what it stands on, and is set down on it anew.
+    /// Legal where another foot stands. The cost stays that of the sequence without them.
+    #[must_use]
+    pub fn with_swings(&self, domain: &Domain, at: usize, feet: &[Contact]) -> Self {
+        let stance = &self.states[at];
+        let mut longer = self.clone();
+        let mut next = at + 1;
+        for foot in feet {
+            let lifted: ContactState = stance.iter().filter(|c| c != foot).collect();
+            for (before, after) in [(stance, &lifted), (&lifted, stance)] {
+                let label = Action::between(before, after).describe(domain);
+                longer.states.insert(next, after.clone());
+                longer.labels.insert(next, label);
+                next += 1;
+            }
+        }
+        longer
     }
 }
 

@@ -1,0 +1,191 @@
+//! More steps for a sequence whose keyframes lean far: the policy draws the fewest with which everything is within reach, and strides
+//! at the edge of that cost more than some steps do, and are harder to find a motion for.
+//!
+//! Feet are set anew where the robot leans most, once each, as long as the keyframes of the longer sequence promise less.
+
+use super::Run;
+use ocp::{Keyframes, Phase};
+use scene::Role;
+use std::collections::BTreeMap;
+use symbolic::{Contact, ContactState, Sequence};
+
+/// How often the feet are set anew at most.
+const MOST_ROUNDS: usize = 6;
+/// Places in the sequence that are tried in one round, those of the farthest lean first.
+const PLACES: usize = 2;
+/// What a round must save of the promised cost: its time is more than the half second per phase that is promised.
+const SAVING: f64 = 5.0;
+/// Lean from which on more steps are looked for.
+const FAR_LEAN: f64 = 0.42;
+
+/// A sequence, the cost that its keyframes promise, and these.
+pub(super) struct Promise {
+    pub sequence: Sequence,
+    pub cost: f64,
+    pub nodes: Vec<Vec<f64>>,
+}
+
+/// Where feet are set anew: the phase, and which of them is the first.
+pub(crate) type Round = (usize, usize);
+
+/// How the sequences that are tried were drawn: some have more steps now.
+#[derive(Default)]
+pub(super) struct Longer(BTreeMap<Vec<ContactState>, Drawn>);
+
+struct Drawn {
+    number: usize,
+    states: Vec<ContactState>,
+}
+
+impl Longer {
+    /// Takes note of what became of a drawn sequence.
+    pub fn note(&mut self, number: usize, drawn: &Sequence, now: &Sequence) {
+        let states = drawn.states.clone();
+        let drawn = Drawn { number, states };
+        self.0.insert(now.states.clone(), drawn);
+    }
+
+    /// The number under which a sequence is tried.
+    pub fn number_of(&self, sequence: &Sequence) -> Option<usize> {
+        self.0.get(&sequence.states).map(|drawn| drawn.number)
+    }
+}
+
+impl Run<'_> {
+    /// Tells the policy what a sequence was worth, by the states with which it was drawn.
+    pub(super) fn learn(&mut self, states: &[ContactState], reward: f64) {
+        let drawn = self.longer.0.get(states);
+        let states = drawn.map_or(states, |drawn| &drawn.states);
+        self.policy.learn(states, reward);
+    }
+
+    /// The sequence with as many steps as pay; it does not become another that is tried.
+    pub(super) fn with_more_steps(&mut self, drawn: Promise) -> Promise {
+        let states = self.names(&drawn.sequence);
+        let mut best = drawn;
+        let mut rounds = vec![];
+        while rounds.len() < MOST_ROUNDS && !self.is_stopped() && !self.is_late() {
+            let Some((better, round)) = self.one_more_round(&best) else {
+                break;
+            };
+            best = better;
+            rounds.push(round);
+        }
+        if !rounds.is_empty() {
+            self.checks.journal.note_steps(states, rounds);
+        }
+        best
+    }
+
+    /// The sequence with the steps that it got in the run that is continued.
+    pub(super) fn with_remembered_steps(&self, drawn: &Sequence) -> Sequence {
+        let rounds = self.checks.journal.steps(&self.names(drawn));
+        let more = |sequence: Sequence, &round: &Round| self.after_round(&sequence, round);
+        rounds.iter().fold(drawn.clone(), more)
+    }
+
+    fn after_round(&self, sequence: &Sequence, (at, first): Round) -> Sequence {
+        let mut feet = self.feet(&sequence.states[at]);
+        feet.rotate_left(first);
+        sequence.with_swings(self.policy.graph().domain(), at, &feet)
+    }
+
+    /// The least that another round promises, if it is less than so far.
+    fn one_more_round(&self, now: &Promise) -> Option<(Promise, Round)> {
+        let mut best: Option<(Promise, Round)> = None;
+        for at in self.strained(now) {
+            let n = self.feet(&now.sequence.states[at]).len();
+            if now.sequence.states.len() + 2 * n > self.policy.max_phases() {
+                return None;
+            }
+            for first in 0..n {
+                let round = (at, first);
+                let sequence = self.after_round(&now.sequence, round);
+                let Some((cost, nodes)) = self.promise_of_longer(&sequence, now, round, n) else {
+                    continue;
+                };
+                let least = best
+                    .as_ref()
+                    .map_or(now.cost - SAVING, |(best, _)| best.cost);
+                let is_new = self.longer.number_of(&sequence).is_none();
+                if cost < least && is_new {
+                    let promise = Promise {
+                        sequence,
+                        cost,
+                        nodes,
+                    };
+                    best = Some((promise, round));
+                }
+            }
+        }
+        best
+    }
+
+    /// What keyframes of a sequence with a round of swings promise: from those without, or if that saves nothing, from the sequence
+    /// alone. `None` if there are none.
+    fn promise_of_longer(
+        &self,
+        longer: &Sequence,
+        without: &Promise,
+        (at, _): Round,
+        swings: usize,
+    ) -> Option<(f64, Vec<Vec<f64>>)> {
+        let phases = self.phases(longer);
+        let (before, after) = without.nodes.split_at(at + 1);
+        let stance = vec![after[0].clone(); 2 * swings];
+        let guess: Vec<Vec<f64>> = before.iter().chain(&stance).chain(after).cloned().collect();
+        let (planner, settings) = (self.shop.planner, self.shop.settings);
+        let promise = |found: Keyframes| {
+            let found = Some(found).filter(|found| found.possible)?;
+            Some((self.promise(&phases, &found), found.nodes))
+        };
+        let near = planner.keyframes_at(&guess, &phases, settings);
+        let near = near.and_then(promise);
+        near.filter(|near| near.0 < without.cost - SAVING)
+            .or_else(|| promise(planner.keyframes_at_once(&phases, settings)))
+    }
+
+    /// First stances on all feet between two other changes, where the robot leans beyond what is easy before the next one: those of
+    /// the farthest leans first.
+    fn strained(&self, promise: &Promise) -> Vec<usize> {
+        let states = &promise.sequence.states;
+        let phases = self.phases(&promise.sequence);
+        let leans = self.leans(&phases, &promise.nodes);
+        let all = self.feet(&states[0]).len();
+        let others = |k: usize| -> Vec<Contact> {
+            let is_other = |c: &Contact| !self.is_foot(c);
+            states[k].iter().filter(is_other).collect()
+        };
+        let mut places: Vec<(usize, f64)> = vec![];
+        let mut first = 0;
+        while first < states.len() {
+            let same = |&k: &usize| others(k) == others(first);
+            let end = first + (first..states.len()).take_while(same).count();
+            let stance = (first..end).find(|&k| all > 0 && self.feet(&states[k]).len() == all);
+            let lean = leans.get(first..end).into_iter().flatten();
+            let lean = lean.copied().fold(0.0, f64::max);
+            places.extend(stance.filter(|_| lean > FAR_LEAN).map(|k| (k, lean)));
+            first = end;
+        }
+        places.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        places.into_iter().map(|(k, _)| k).take(PLACES).collect()
+    }
+
+    /// Leans of the robot at the phase boundaries; none where the base is to get high.
+    pub(super) fn leans(&self, phases: &[Phase], nodes: &[Vec<f64>]) -> Vec<f64> {
+        let planner = self.shop.planner;
+        if planner.scene.objective == scene::Objective::BaseHeight {
+            return vec![];
+        }
+        planner.leans(phases, nodes)
+    }
+
+    fn is_foot(&self, contact: &Contact) -> bool {
+        self.shop.planner.scene.interfaces[contact.a.0].role == Role::Foot
+    }
+
+    /// Contacts of feet in a state.
+    fn feet(&self, state: &ContactState) -> Vec<Contact> {
+        state.iter().filter(|c| self.is_foot(c)).collect()
+    }
+}
