@@ -26,6 +26,28 @@ fn plain_sequences_come_first_and_two_steps_with_the_box_among_the_first_twelve(
 }
 
 #[test]
+fn swings_put_into_a_sequence_make_one_that_the_search_finds_too() {
+    let graph = pick_place();
+    let domain = graph.domain().clone();
+    let sequences = take(&mut best_first(graph), 40, &mut AcceptAll);
+    let found = sequences.iter().find(|s| s.labels == NATURAL);
+    let found = found.expect("it is among the first");
+    let lifted = 2;
+    assert_eq!(sequences[0].labels[lifted], NATURAL[lifted]);
+    let foot = |name| {
+        let mut contacts = sequences[0].states[lifted].iter();
+        contacts
+            .find(|c| c.a == id(&domain, name))
+            .expect("it stands")
+    };
+    let order = [foot("left_foot"), foot("right_foot")];
+    let longer = sequences[0].with_swings(&domain, lifted, &order);
+    assert_eq!(longer.labels, found.labels);
+    assert_eq!(longer.states, found.states);
+    assert_eq!(longer.skeleton, found.skeleton);
+}
+
+#[test]
 fn an_impossible_start_ends_the_search_at_once() {
     struct Never;
     impl Oracle for Never {

@@ -272,6 +272,51 @@ fn the_best_of_many_sequences_costs_no_more_than_the_first_and_is_the_same_for_a
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow without optimisation")]
+fn long_strides_get_more_steps_than_were_drawn_and_the_journal_knows_which() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("journal.jsonl");
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+    let scene = Scene::load(scenes.join("carry-away.toml")).expect("a scene");
+    let with = |resume| {
+        let request = Request {
+            solutions: 1,
+            max_optimised: 1,
+            resume,
+            ..request(Some(&path))
+        };
+        locotamp::plan(&scene, &request, &mut |_| true).expect("a planning problem")
+    };
+    let whole = with(false);
+    let text = std::fs::read_to_string(&path).expect("a journal");
+    let is_steps = |line: &&str| line.contains("\"kind\":\"steps\"");
+    let phases = |attempt: &Attempt| attempt.labels.len();
+    let tried = whole.attempts.iter().filter(|a| a.iterations > 0);
+    let tried: Vec<usize> = tried.map(phases).collect();
+    assert_eq!(tried.len(), 1);
+    let longer = text.lines().filter(is_steps).any(|line| {
+        let steps: serde_json::Value = serde_json::from_str(line).expect("JSON");
+        let count = |key: &str| steps[key].as_array().map_or(0, Vec::len);
+        let rounds = count("rounds");
+        rounds > 0 && count("states") + 4 * rounds == tried[0]
+    });
+    assert!(longer, "{tried:?} phases; {text}");
+
+    // From the whole journal nothing is asked again; from the steps on, the rest is done again with the same steps.
+    let again = with(true);
+    assert_eq!(results(&again.attempts), results(&whole.attempts));
+    assert_eq!(std::fs::read_to_string(&path).expect("a journal"), text);
+    let lines: Vec<&str> = text.lines().collect();
+    let cut = lines
+        .iter()
+        .rposition(|line| is_steps(&line))
+        .expect("steps");
+    std::fs::write(&path, lines[..=cut].join("\n") + "\n").expect("written");
+    let resumed = with(true);
+    assert_eq!(results(&resumed.attempts), results(&whole.attempts));
+}
+
+#[test]
 fn the_journal_of_another_seed_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("journal.jsonl");

@@ -182,6 +182,29 @@ fn keyframes_shift_the_weight_to_the_foot_that_stays() {
 }
 
 #[test]
+fn what_is_carried_at_the_end_comes_along_with_every_step() {
+    let (scene, phases, settings) = sequence("boxes/carry_away.toml");
+    let planner = Planner::new(&scene).expect("a model");
+    let keyframes = planner.keyframes(&phases, &settings);
+    assert!(keyframes.possible, "{:?}", keyframes.worst);
+    let object = planner.system.object_q(0);
+    let place = |q: &Vec<f64>| [q[0], q[1], q[object], q[object + 1]];
+    let places: Vec<[f64; 4]> = keyframes.nodes.iter().map(place).collect();
+    let way = |from: &[f64; 4], to: &[f64; 4], first: usize| {
+        (to[first] - from[first]).hypot(to[first + 1] - from[first + 1])
+    };
+    for first in [0, 2] {
+        let whole = way(&places[0], &places[places.len() - 1], first);
+        let longest = places.windows(2).map(|p| way(&p[0], &p[1], first));
+        let longest = longest.fold(0.0, f64::max);
+        assert!(
+            whole > 0.9 && longest < 0.4 * whole,
+            "{longest} of {whole} m"
+        );
+    }
+}
+
+#[test]
 fn a_stride_over_a_stair_leans_more_than_one_onto_it() {
     let most = |name: &str| {
         let (scene, phases, mut settings) = sequence(name);
