@@ -99,7 +99,8 @@ impl Builder<'_> {
     }
 
     /// In keyframes, objects in the air stay near their guess and upright: the posture alone would let them sink until they
-    /// touch something, which is a bad place to start a motion from.
+    /// touch something, which is a bad place to start a motion from. Where the sequence ends with them in the air, only their height
+    /// does.
     pub(super) fn carried(&mut self, phases: &[Phase]) {
         let keyframes = matches!(self.program.grid, Grid::Keyframes | Grid::OpenKeyframes);
         if !keyframes || self.program.settings.preset == Preset::Paper {
@@ -116,6 +117,8 @@ impl Builder<'_> {
                 body: Body::Joint(p.system.object_joint(o)),
                 body_from_frame: Pose::identity(),
             };
+            // What does not come to rest again comes along to where the goal wants the robot; in beginnings it waits.
+            let comes_along = p.grid == Grid::Keyframes;
             let settles = (0..phases.len()).rfind(|&k| rests(k)).unwrap_or(0);
             for (t, pose) in poses.iter().enumerate().skip(1) {
                 if rests(t - 1) || t < phases.len() && rests(t) {
@@ -130,7 +133,7 @@ impl Builder<'_> {
                 let slot = p.nodes[t].slot(frame);
                 let approach = Approach {
                     distance: 0.0,
-                    centred: t < settles,
+                    centred: t < settles || !comes_along,
                 };
                 let terms: [(Arc<dyn PoseTerm>, f64); 2] =
                     [(Arc::new(approach), CARRY), (Arc::new(Tilt), CARRY_UPRIGHT)];
