@@ -57,6 +57,10 @@ const CHOOSING_SHARE: f64 = 0.5;
 /// Largest share of the time limit that is kept for refining.
 const MOST_REFINING: f64 = 0.6;
 
+/// What the motion on the grid on which it holds costs more than that on the coarse one, in the cost of that, if it has become another
+/// one, mostly a contorted one: up to 0.5 for most (benches/runs/2026-11-26-more-steps.md).
+const CHANGED: f64 = 0.5;
+
 /// Why a search ends for which no skeleton is left.
 const NO_SKELETON: &str = "every order of grasps and places needs contacts that are impossible";
 
@@ -157,6 +161,8 @@ pub fn plan(
             longer: Longer::default(),
             attempts: vec![],
             diverse: Diverse::new(request.solutions),
+            found: 0,
+            found_unchanged: false,
             refined: None,
             coarse: None,
             aside: vec![],
@@ -263,8 +269,10 @@ struct Run<'a> {
     failures: Failures,
     longer: Longer,
     attempts: Vec<Attempt>,
-    /// The plans.
+    /// The plans, how many were found, and whether one of them is about what it was on the coarse grid ([`CHANGED`]).
     diverse: Diverse,
+    found: usize,
+    found_unchanged: bool,
     /// The best of them, refined.
     refined: Option<Found>,
     /// The best of those that cannot be refined, and all of these.
@@ -355,11 +363,16 @@ impl Run<'_> {
             Some("stopped by the caller".into())
         } else if self.is_after(self.deadline()) {
             Some(format!("time limit of {} s", request.time_limit))
-        } else if plans >= request.solutions && !self.chooses() {
+        } else if plans >= request.solutions && self.is_content() && !self.chooses() {
             Some(format!("{plans} plan(s) found, as asked for"))
         } else {
             None
         }
+    }
+
+    /// True unless all plans so far have become contorted on the finer grid; then one more than is asked for is found.
+    fn is_content(&self) -> bool {
+        self.found_unchanged || self.found > self.request.solutions
     }
 
     /// True after so many seconds of the run.

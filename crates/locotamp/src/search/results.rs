@@ -7,7 +7,7 @@ use super::diverse::{Kept, loaded};
 use super::proposals::{Candidate, Coarse, Work};
 use super::reward::Rewards;
 use super::workers::{Evaluated, Message, with_steps};
-use super::{Nearest, Run};
+use super::{CHANGED, Nearest, Run};
 use crate::api::{Alternative, Attempt, Event, Found, Outcome, Reached, Request};
 use crate::journal::{self, PointEntry, Tried};
 use crate::refine::{self, Refined};
@@ -131,11 +131,11 @@ impl Run<'_> {
             // A motion that is set up again has other clearances, and so other violations.
             done.worst_phase = tried.failed_phase;
             done.violation = tried.violation.unwrap_or(done.violation);
-        } else if let Some(coarse) = coarse {
+        } else if let Some(coarse) = &coarse {
             done.iterations += coarse.iterations;
             done.work += coarse.work;
             done.seconds += coarse.seconds;
-            done.relative = done.relative.or(coarse.relative);
+            done.relative = done.relative.or(coarse.relative.clone());
         }
         self.tell(&Event::Optimised {
             number,
@@ -149,6 +149,9 @@ impl Run<'_> {
             (false, None) => Rewards::of_failure(done.violation),
         };
         if done.feasible {
+            self.found += 1;
+            let changed = |coarse: Coarse| done.cost - coarse.cost > CHANGED * coarse.cost.abs();
+            self.found_unchanged |= !coarse.is_some_and(changed);
             self.failures.succeeded(&sequence.states);
         } else if let Some(phase) = done.worst_phase {
             (self.failures).failed(number, &sequence.states, phase, done.violation);
