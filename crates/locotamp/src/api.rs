@@ -214,7 +214,7 @@ pub enum Event {
 pub enum Reached {
     /// Its keyframes are impossible, or promise less than a plan that is there (objective "base height").
     Keyframes,
-    /// It was left out, since others failed again and again at the same contacts.
+    /// It was left out, since others failed again and again at the same contacts, or another has become the same by more steps.
     Alike,
     /// It has a motion on the coarse grid, and the search ended before its turn on the grid on which it must hold.
     Coarse,

@@ -17,8 +17,7 @@ use crate::guess;
 use crate::motion::{Planner, near, report_at};
 use crate::problem::Trajectory;
 use crate::program::{Grid, Phase, Program};
-use crate::resistance::{Pull, pulls, violations};
-use crate::resistance::{Worst, worst_row};
+use crate::resistance::{Pull, Worst, pulls, violations, worst_row};
 use crate::settings::{Preset, Settings};
 use crate::stagnation::Stagnation;
 use crate::state_guess;
@@ -73,10 +72,9 @@ impl Planner<'_> {
         let guesses = state_guess::states(self.scene, &self.system, state);
         let mut best = solve(&guesses[0]);
         for from in &guesses[1..] {
-            if best.possible {
-                break;
+            if !best.possible {
+                best = less_violated(best, solve(from));
             }
-            best = less_violated(best, solve(from));
         }
         if best.possible {
             return best;

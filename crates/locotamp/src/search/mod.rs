@@ -57,10 +57,6 @@ const CHOOSING_SHARE: f64 = 0.5;
 /// Largest share of the time limit that is kept for refining.
 const MOST_REFINING: f64 = 0.6;
 
-/// What the motion on the grid on which it holds costs more than that on the coarse one, in the cost of that, if it has become another
-/// one, mostly a contorted one: up to 0.5 for most (benches/runs/2026-11-26-more-steps.md).
-const CHANGED: f64 = 0.5;
-
 /// Why a search ends for which no skeleton is left.
 const NO_SKELETON: &str = "every order of grasps and places needs contacts that are impossible";
 
@@ -269,7 +265,7 @@ struct Run<'a> {
     failures: Failures,
     longer: Longer,
     attempts: Vec<Attempt>,
-    /// The plans, how many were found, and whether one of them is about what it was on the coarse grid ([`CHANGED`]).
+    /// The plans, how many were found, and whether one of them is about what it was on the coarse grid.
     diverse: Diverse,
     found: usize,
     found_unchanged: bool,

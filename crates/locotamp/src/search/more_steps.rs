@@ -64,7 +64,10 @@ impl Run<'_> {
         let states = self.names(&drawn.sequence);
         let mut best = drawn;
         let mut rounds = vec![];
-        while rounds.len() < MOST_ROUNDS && !self.is_stopped() && !self.is_late() {
+        while rounds.len() < MOST_ROUNDS {
+            if self.is_stopped() || self.is_late() {
+                return best; // a run that continues this one looks again
+            }
             let Some((better, round)) = self.one_more_round(&best) else {
                 break;
             };
@@ -146,7 +149,7 @@ impl Run<'_> {
     }
 
     /// First stances on all feet between two other changes, where the robot leans beyond what is easy before the next one: those of
-    /// the farthest leans first.
+    /// the farthest leans first. None on a single foot.
     fn strained(&self, promise: &Promise) -> Vec<usize> {
         let states = &promise.sequence.states;
         let phases = self.phases(&promise.sequence);
@@ -161,7 +164,7 @@ impl Run<'_> {
         while first < states.len() {
             let same = |&k: &usize| others(k) == others(first);
             let end = first + (first..states.len()).take_while(same).count();
-            let stance = (first..end).find(|&k| all > 0 && self.feet(&states[k]).len() == all);
+            let stance = (first..end).find(|&k| all > 1 && self.feet(&states[k]).len() == all);
             let lean = leans.get(first..end).into_iter().flatten();
             let lean = lean.copied().fold(0.0, f64::max);
             places.extend(stance.filter(|_| lean > FAR_LEAN).map(|k| (k, lean)));

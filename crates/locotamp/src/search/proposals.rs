@@ -42,6 +42,10 @@ const FLIGHT: f64 = 18.0;
 /// Height by which a motion may end above its keyframes [m]: those are near the home posture at the end, motions stretch.
 const HEIGHT_ROOM: f64 = 0.12;
 
+/// What a motion costs more on the grid on which it holds than on the coarse one, in the cost of that, from which on it has become
+/// another one: half as much or less for most (benches/runs/2026-11-26-more-steps.md).
+const CHANGED: f64 = 0.5;
+
 /// A sequence whose keyframes exist.
 pub(super) struct Candidate {
     pub number: usize,
@@ -61,6 +65,13 @@ pub(super) struct Coarse {
     pub work: u64,
     pub seconds: f64,
     pub relative: Option<Arc<Relative>>,
+}
+
+impl Coarse {
+    /// True if a motion on the finer grid at this cost has become another one, mostly a contorted one.
+    pub fn is_left(&self, cost: f64) -> bool {
+        cost - self.cost > CHANGED * self.cost
+    }
 }
 
 /// What is next for it.
@@ -446,4 +457,23 @@ fn nearest(relatives: &[Arc<Relative>], phases: &[Phase]) -> Option<Arc<Relative
     let near = relatives.iter().find(|r| shared(r) == most);
     near.filter(|_| most + DIFFERENT_AT_END >= phases.len())
         .cloned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Coarse;
+
+    #[test]
+    fn a_motion_that_costs_half_as_much_again_on_the_finer_grid_has_become_another_one() {
+        let coarse = |cost| Coarse {
+            cost,
+            iterations: 0,
+            work: 0,
+            seconds: 0.0,
+            relative: None,
+        };
+        for (before, now, left) in [(50.2, 96.6, true), (39.3, 46.8, false)] {
+            assert_eq!(coarse(before).is_left(now), left, "{before}, {now}");
+        }
+    }
 }

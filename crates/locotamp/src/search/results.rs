@@ -7,11 +7,12 @@ use super::diverse::{Kept, loaded};
 use super::proposals::{Candidate, Coarse, Work};
 use super::reward::Rewards;
 use super::workers::{Evaluated, Message, with_steps};
-use super::{CHANGED, Nearest, Run};
+use super::{Nearest, Run};
 use crate::api::{Alternative, Attempt, Event, Found, Outcome, Reached, Request};
 use crate::journal::{self, PointEntry, Tried};
 use crate::refine::{self, Refined};
 use ocp::Motion;
+use scene::Objective;
 use symbolic::Sequence;
 
 /// Motions that others may start from.
@@ -150,8 +151,10 @@ impl Run<'_> {
         };
         if done.feasible {
             self.found += 1;
-            let changed = |coarse: Coarse| done.cost - coarse.cost > CHANGED * coarse.cost.abs();
-            self.found_unchanged |= !coarse.is_some_and(changed);
+            // A reward in the costs would have to be taken out first.
+            let compares = self.shop.planner.scene.objective == Objective::Time;
+            let left = coarse.is_some_and(|coarse| coarse.is_left(done.cost));
+            self.found_unchanged |= !(compares && left);
             self.failures.succeeded(&sequence.states);
         } else if let Some(phase) = done.worst_phase {
             (self.failures).failed(number, &sequence.states, phase, done.violation);
