@@ -309,7 +309,7 @@ fn long_strides_get_more_steps_than_were_drawn_and_the_journal_knows_which() {
     let lines: Vec<&str> = text.lines().collect();
     let cut = lines
         .iter()
-        .rposition(|line| is_steps(&line))
+        .rposition(|line| is_steps(line))
         .expect("steps");
     std::fs::write(&path, lines[..=cut].join("\n") + "\n").expect("written");
     let resumed = with(true);
