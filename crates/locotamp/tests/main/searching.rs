@@ -307,10 +307,7 @@ fn long_strides_get_more_steps_than_were_drawn_and_the_journal_knows_which() {
     assert_eq!(results(&again.attempts), results(&whole.attempts));
     assert_eq!(std::fs::read_to_string(&path).expect("a journal"), text);
     let lines: Vec<&str> = text.lines().collect();
-    let cut = lines
-        .iter()
-        .rposition(|line| is_steps(line))
-        .expect("steps");
+    let cut = lines.iter().rposition(is_steps).expect("steps");
     std::fs::write(&path, lines[..=cut].join("\n") + "\n").expect("written");
     let resumed = with(true);
     assert_eq!(results(&resumed.attempts), results(&whole.attempts));
