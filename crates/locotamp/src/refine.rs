@@ -16,6 +16,8 @@ const HOLDS: f64 = 0.06;
 /// Most iterations for that, and how many a motion gets beyond if it is nearly solved then.
 const HOLDS_ITERATIONS: usize = 150;
 const NEARLY_THERE: usize = 50;
+/// How many iterations before that count: violations rise now and then when the barrier falls.
+const RECENT: usize = 10;
 
 /// Share by which the coarse grid may be longer than that and still count as one between: phases grow a little.
 const NEARLY: f64 = 1.2;
@@ -68,13 +70,17 @@ pub(crate) fn hold(
     fine
 }
 
-/// Does a motion go on, told its violation after each iteration: beyond `most` if it is nearly solved by then, whatever the repair
-/// that follows begins with.
+/// Does a motion go on, told its violation after each iteration: beyond `most` if it was nearly solved in one of the last few by
+/// then, whatever the repair that follows begins with.
 fn nearly_there(most: usize) -> impl FnMut(f64) -> bool {
-    let (mut iterations, mut nearly) = (0, false);
+    let (mut iterations, mut last) = (0, None);
+    let mut nearly = false;
     move |violation| {
         iterations += 1;
-        nearly |= iterations == most && violation <= ocp::NEARLY_SOLVED;
+        if violation <= ocp::NEARLY_SOLVED {
+            last = Some(iterations);
+        }
+        nearly |= iterations == most && last.is_some_and(|last| last + RECENT > most);
         iterations < most || nearly
     }
 }
@@ -155,17 +161,23 @@ fn longest_step(motion: &Motion) -> f64 {
 mod tests {
     use super::*;
 
-    /// Iterations of a motion with these violations, one after the other.
-    fn iterations(violations: &[f64]) -> usize {
-        let mut goes_on = nearly_there(3);
-        let on = violations.iter().take_while(|&&v| goes_on(v)).count();
-        violations.len().min(on + 1)
+    /// Iterations of a motion with these violations, one after the other, the last one for ever.
+    fn iterations(violations: &[f64], most: usize) -> usize {
+        let mut goes_on = nearly_there(most);
+        let last = violations[violations.len() - 1];
+        let all = violations.iter().copied().chain(std::iter::repeat(last));
+        1 + all.take(2 * most).take_while(|&v| goes_on(v)).count()
     }
 
     #[test]
-    fn a_motion_that_is_nearly_solved_goes_on_through_its_repair() {
+    fn a_motion_that_was_nearly_solved_just_now_goes_on_through_its_repair() {
         let near = ocp::NEARLY_SOLVED / 2.0;
-        assert_eq!(iterations(&[1.0, near, 1.0, near, near]), 3);
-        assert_eq!(iterations(&[1.0, 1.0, near, 1.0, near]), 5);
+        let most = 2 * RECENT;
+        let before = vec![1.0; most - 2];
+        let with = |more: &[f64]| iterations(&[&before[..], more].concat(), most);
+        assert_eq!(with(&[1.0]), most);
+        assert!(with(&[near, 1.0]) > most);
+        assert!(with(&[1.0, near, 1.0]) > most);
+        assert_eq!(iterations(&[near, 1.0], most), most, "long ago");
     }
 }
