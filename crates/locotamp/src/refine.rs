@@ -15,7 +15,7 @@ const MIDDLE: f64 = 3.0;
 const HOLDS: f64 = 0.06;
 /// Most iterations for that, and how many a motion gets beyond if it is nearly solved then.
 const HOLDS_ITERATIONS: usize = 150;
-const NEARLY_THERE: usize = 50;
+const NEARLY_THERE: usize = 100;
 /// How many iterations before that count: violations rise now and then when the barrier falls.
 const RECENT: usize = 10;
 
