@@ -49,10 +49,18 @@ impl Model {
             (self.nq, self.nv, self.nq),
             "lengths of q, dv, out"
         );
+        self.integrate_by_into(q, |i| step * dv[i], out);
+    }
+
+    /// q ⊕ δ, with δ by velocity index.
+    ///
+    /// # Panics
+    /// If `q` or `out` is too short.
+    pub fn integrate_by_into(&self, q: &[f64], dv: impl Fn(usize) -> f64, out: &mut [f64]) {
         for joint in &self.joints {
             let (i, k) = (joint.idx_q, joint.idx_v);
             if joint.kind == JointKind::FreeFlyer {
-                let xi = Vector6::from_fn(|row, _| step * dv[k + row]);
+                let xi = Vector6::from_fn(|row, _| dv(k + row));
                 let mut moved = base_pose(&q[i..]).plus(&xi).to_xyzquat();
                 let same_side: f64 = (3..7).map(|c| moved[c] * q[i + c]).sum();
                 if same_side < 0.0 {
@@ -60,7 +68,7 @@ impl Model {
                 }
                 out[i..i + 7].copy_from_slice(&moved);
             } else {
-                out[i] = q[i] + step * dv[k];
+                out[i] = q[i] + dv(k);
             }
         }
     }

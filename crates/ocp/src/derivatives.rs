@@ -9,7 +9,7 @@ use crate::states::{self, At};
 use crate::terms::PoseTerm;
 use crate::torque_speed::Velocities;
 use nalgebra::{Matrix6, Vector6};
-use solver::ElementData;
+use solver::{BlockStructure, ElementData};
 
 impl Trajectory {
     /// Gradient, Jacobians and Hessian of interval `t`; `y` are the multipliers of its rows.
@@ -170,6 +170,7 @@ impl Trajectory {
         let here = interval.v.then(|| &self.differences[t]);
         let next = interval.v_next.then(|| &self.differences[t + 1]);
         let layout = interval.into();
+        let n_motion_blocks = program.system.motion_blocks().count();
         if interval.dynamics {
             for i in 0..nv {
                 s.weights[i] = y[i] / program.dynamics_scale[i];
@@ -217,16 +218,16 @@ impl Trajectory {
                     },
                 );
                 // Columns of the wrench.
-                let jacobian = &mut out.jacobians[0];
                 for i in 0..force.n {
-                    let column = &mut jacobian[(force.first + i) * nv..(force.first + i + 1) * nv];
+                    let column =
+                        &mut s.jacobian[(force.first + i) * nv..(force.first + i + 1) * nv];
                     column.fill(0.0);
                     for (&col, j) in cols.iter().zip(&relative.columns) {
                         column[col] = -j[i] * force.scale[i] / program.dynamics_scale[col];
                     }
                 }
             }
-            let (scale, jacobian) = (&program.dynamics_scale, &mut out.jacobians[0]);
+            let (scale, jacobian) = (&program.dynamics_scale, &mut s.jacobian[..]);
             match &states {
                 Some(layout) => s.chain.state_rows(&s.hessian, layout, scale, jacobian),
                 None => s
@@ -237,13 +238,23 @@ impl Trajectory {
                 let kinematics = [&self.nodes[t].kinematics, &self.nodes[t + 1].kinematics];
                 let (relatives, wrenches) = (&self.nodes[t].relatives, &x.wrenches[t]);
                 let at = Context::new(program, t, kinematics, [here, next], relatives, wrenches);
-                s.momentum.derivatives(&at, y, &mut s.chain, out);
+                s.momentum
+                    .derivatives(&at, y, &mut s.chain, &mut s.jacobian, out);
             }
             let at = match &states {
                 Some(layout) => Velocities::Unknown(layout.v, layout.v_next),
                 None => Velocities::Differences(&layout),
             };
-            rows.jacobian(&at, &s.chain.motion, nv, &mut out.jacobians);
+            let blocks = &program.structure.elements[t].blocks;
+            let torques = (&s.jacobian[..], nv);
+            for (block, jacobian) in blocks[..n_motion_blocks].iter().zip(&mut out.jacobians) {
+                take_block(block, torques, jacobian);
+            }
+            if let Some(block) = rows.block {
+                let cols = &blocks[block].cols;
+                let jacobian = &mut out.jacobians[block];
+                rows.jacobian(&at, &s.chain.motion, torques, cols, jacobian);
+            }
             rows.add_gradient(y, &mut s.chain.by_v_gradient);
             for slip in &interval.slips {
                 let frame = &program.frames[program.nodes[t].frames[slip.slot]];
@@ -420,6 +431,14 @@ impl PoseSum {
             self.hessian += hessian;
             self.is_zero = false;
         }
+    }
+}
+
+/// The rows and columns of a block out of a column-major Jacobian with `n_rows` rows.
+fn take_block(block: &BlockStructure, (all, n_rows): (&[f64], usize), out: &mut [f64]) {
+    for (out, &c) in out.chunks_exact_mut(block.n_rows).zip(&block.cols) {
+        let first = c * n_rows + block.first_row;
+        out.copy_from_slice(&all[first..first + block.n_rows]);
     }
 }
 

@@ -408,6 +408,7 @@ impl<'a> Ask<'a> {
             let mut trajectory = Trajectory::new(program);
             let structure = trajectory.structure().clone();
             let mut stagnation = Stagnation::default();
+            trajectory.settle(&mut point);
             let report = InteriorPoint::new(&structure).solve(
                 &mut trajectory,
                 &mut point,
@@ -418,8 +419,7 @@ impl<'a> Ask<'a> {
             iterations += report.iterations;
             let possible = report.violation <= KEYFRAME_TOLERANCE;
             let solved = &trajectory.program;
-            let (scene, phases) = (planner.scene, self.phases);
-            let model = &planner.collisions;
+            let (scene, phases, model) = (planner.scene, self.phases, &planner.collisions);
             if watches
                 && possible
                 && round < ROUNDS

@@ -43,7 +43,8 @@ pub use objective::{CostTerm, CostTerms};
 pub use point::Point;
 pub use problem::{Trajectory, physical_wrench};
 pub use program::{
-    Force, Grid, Interval, Node, Phase, Program, RowLabel, Stage, Subject, goal_body,
+    Force, Grid, Interval, Node, Phase, Program, Rests, RowLabel, Stage, Subject, Variables,
+    goal_body,
 };
 pub use refine::Refinement;
 pub use relative::{Body, Carrier};

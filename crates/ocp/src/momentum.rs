@@ -148,27 +148,28 @@ impl Momentum {
         }
     }
 
-    /// Jacobian rows 0 … 5 of the element's first block, and the Hessian of yᵀ rows: what is of node t goes to `chain`,
+    /// Rows 0 … 5 of the Jacobian of the equations of motion, and the Hessian of yᵀ rows: what is of node t goes to `chain`,
     /// the rest to `out`. `y` are the multipliers of the element's rows.
     pub fn derivatives(
         &mut self,
         at: &Context,
         y: &[f64],
         chain: &mut Chain,
+        jacobian: &mut [f64],
         out: &mut ElementData,
     ) {
         let y = Vector6::from_fn(|r, _| y[r] / at.scale[r]);
         let nv = chain.qq.nrows();
-        for column in out.jacobians[0].chunks_exact_mut(nv) {
+        for column in jacobian.chunks_exact_mut(nv) {
             column[..6].fill(0.0);
         }
-        self.here(at, &y, chain, out);
-        self.rate(at, &y, chain, out);
-        self.next(at, &y, chain, out);
+        self.here(at, &y, chain, jacobian);
+        self.rate(at, &y, chain, jacobian, out);
+        self.next(at, &y, chain, jacobian, out);
     }
 
     /// −h(q_t, v_t).
-    fn here(&mut self, at: &Context, y: &Vector6<f64>, chain: &mut Chain, out: &mut ElementData) {
+    fn here(&mut self, at: &Context, y: &Vector6<f64>, chain: &mut Chain, jacobian: &mut [f64]) {
         let Some(difference) = at.differences[0] else {
             return;
         };
@@ -177,22 +178,10 @@ impl Momentum {
         self.derivatives.compute(at.robot, at.kinematics[0], v);
         self.derivatives.compute_hessian(at.robot, y);
         let by_dt = self.speed_of_change(v) / -dt;
-        self.add_rows(
-            at,
-            [at.layout.a, at.layout.b],
-            difference,
-            -1.0,
-            dt,
-            &mut out.jacobians[0],
-        );
+        let (firsts, nv) = ([at.layout.a, at.layout.b], chain.qq.nrows());
+        self.add_rows(at, firsts, difference, -1.0, dt, jacobian);
         if let Some(time) = at.layout.time {
-            add_column(
-                at,
-                time,
-                &(by_dt * (-1.0 / steps)),
-                chain.qq.nrows(),
-                &mut out.jacobians[0],
-            );
+            add_column(at, time, &(by_dt * (-1.0 / steps)), nv, jacobian);
         }
         let mut qq = chain.qq.view_mut((0, 0), (robot_nv, robot_nv));
         qq -= self.derivatives.hessian_qq();
@@ -205,20 +194,21 @@ impl Momentum {
 
     /// −dt · (weight and wrenches about the centre of mass at node t).
     #[allow(clippy::too_many_lines)] // by the wrench, by increments of a, by the centre of mass: one derivation
-    fn rate(&mut self, at: &Context, y: &Vector6<f64>, chain: &mut Chain, out: &mut ElementData) {
+    fn rate(
+        &mut self,
+        at: &Context,
+        y: &Vector6<f64>,
+        chain: &mut Chain,
+        jacobian: &mut [f64],
+        out: &mut ElementData,
+    ) {
         let nv = chain.qq.nrows();
         let n = out.gradient.len();
         let (dt, steps) = (chain.motion.dt, chain.motion.steps);
         let (y_lin, y_ang) = (linear(y), angular(y));
         let (com, com_by_q) = self.com.compute(at.robot, at.kinematics[0]);
         if let Some(time) = at.layout.time {
-            add_column(
-                at,
-                time,
-                &(rate(at, &com) * (-1.0 / steps)),
-                nv,
-                &mut out.jacobians[0],
-            );
+            add_column(at, time, &(rate(at, &com) * (-1.0 / steps)), nv, jacobian);
         }
         self.force_by_q.fill(0.0);
         self.six.fill(0.0);
@@ -241,7 +231,7 @@ impl Momentum {
                 } else {
                     stack(&Vector3::zeros(), &(rot * unit))
                 };
-                add_column(at, column, &(by_wrench * -dt), nv, &mut out.jacobians[0]);
+                add_column(at, column, &(by_wrench * -dt), nv, jacobian);
                 if let Some(time) = at.layout.time {
                     out.hessian[column * n + time] -= z[i] * push.scale[i] / steps;
                 }
@@ -315,7 +305,7 @@ impl Momentum {
         if let Some(first) = at.layout.a {
             for (l, column) in self.six.column_iter().enumerate() {
                 let column = column.fixed_rows::<6>(0).into_owned();
-                add_column(at, first + l, &(column * -dt), nv, &mut out.jacobians[0]);
+                add_column(at, first + l, &(column * -dt), nv, jacobian);
                 if let Some(time) = at.layout.time {
                     out.hessian[(first + l) * n + time] -= column.dot(y) / steps;
                 }
@@ -324,7 +314,14 @@ impl Momentum {
     }
 
     /// h(q_{t+1}, v_{t+1}), with v⁺ = (C ⊖ B)/dt⁺.
-    fn next(&mut self, at: &Context, y: &Vector6<f64>, chain: &Chain, out: &mut ElementData) {
+    fn next(
+        &mut self,
+        at: &Context,
+        y: &Vector6<f64>,
+        chain: &Chain,
+        jacobian: &mut [f64],
+        out: &mut ElementData,
+    ) {
         let Some(difference) = at.differences[1] else {
             return;
         };
@@ -339,7 +336,7 @@ impl Momentum {
         self.derivatives.compute(at.robot, at.kinematics[1], v);
         self.derivatives.compute_hessian(at.robot, y);
         let firsts = [at.layout.b, at.layout.c];
-        self.add_rows(at, firsts, difference, 1.0, dt, &mut out.jacobians[0]);
+        self.add_rows(at, firsts, difference, 1.0, dt, jacobian);
         self.by_v.fill(0.0);
         for (g, column) in self
             .by_v
@@ -388,7 +385,7 @@ impl Momentum {
             return;
         };
         let by_dt = self.speed_of_change(v) / -dt;
-        add_column(at, time, &(by_dt / steps), nv, &mut out.jacobians[0]);
+        add_column(at, time, &(by_dt / steps), nv, jacobian);
         for (end, first) in ENDS.into_iter().zip(firsts) {
             let Some(first) = first else { continue };
             self.by_v_chained.copy_from_slice(&self.by_v);

@@ -331,6 +331,7 @@ impl<'a> Planner<'a> {
             let mut trajectory = Trajectory::new(program);
             let structure = trajectory.structure().clone();
             let options = first.options_of_round(&trajectory.program, work.iterations);
+            trajectory.settle(&mut point);
             let report = InteriorPoint::new(&structure).solve(
                 &mut trajectory,
                 &mut point,

@@ -10,7 +10,7 @@ use crate::evaluated::Evaluated;
 use crate::momentum::{Context, Momentum};
 use crate::passages::Passages;
 use crate::point::Point;
-use crate::program::{Grid, Program};
+use crate::program::{Grid, Program, Variables};
 use crate::relative::Relative;
 use crate::slip::{self, Slips};
 use crate::states::{self, At};
@@ -35,6 +35,8 @@ pub(crate) struct Scratch {
     pub(crate) rnea: Rnea,
     pub(crate) hessian: RneaHessian,
     pub(crate) chain: Chain,
+    /// Of the equations of motion by all that they may depend on, column-major.
+    pub(crate) jacobian: Vec<f64>,
     pub(crate) tau: Vec<f64>,
     pub(crate) weights: Vec<f64>,
     pub(crate) virtual_speeds: Vec<f64>,
@@ -88,10 +90,13 @@ impl Trajectory {
             .map(ElementStructure::n_rows)
             .max()
             .unwrap_or(0);
+        let elements = program.structure.elements.iter();
+        let most_variables = elements.map(|e| e.vars.len()).max();
         let scratch = Scratch {
             rnea: Rnea::new(model),
             hessian: RneaHessian::new(model),
             chain: Chain::new(nv),
+            jacobian: vec![f64::NAN; most_variables.unwrap_or(0) * nv],
             tau: vec![f64::NAN; nv],
             weights: vec![0.0; nv],
             virtual_speeds: vec![0.0; nv],
@@ -112,6 +117,26 @@ impl Trajectory {
             nodes,
             differences,
             scratch,
+        }
+    }
+
+    /// Puts objects that are at rest where they are at the first node of their rest.
+    pub(crate) fn settle(&self, x: &mut Point) {
+        let (system, rests) = (&self.program.system, &self.program.rests);
+        for object in 0..system.model.joints.len() - system.n_robot_joints {
+            let (q, v) = (system.object_q(object), system.object_v(object));
+            for t in 0..x.nodes.len() {
+                let Some(first) = rests.since(object, t) else {
+                    continue;
+                };
+                let (before, here) = x.nodes.split_at_mut(t);
+                if let Some(there) = before.get(first) {
+                    here[0][q..q + 7].copy_from_slice(&there[q..q + 7]);
+                }
+                if let Some(velocity) = x.velocities.get_mut(t) {
+                    velocity[v..v + 6].fill(0.0);
+                }
+            }
         }
     }
 
@@ -378,16 +403,17 @@ impl Problem for Trajectory {
     fn retract(&self, x: &Point, dx: &[f64], step: f64, out: &mut Point) {
         let model = &self.program.system.model;
         for (t, node) in self.program.nodes.iter().enumerate() {
-            match node.var {
+            let change = |of: &Variables, i: usize| of.get(i).map_or(0.0, |v| step * dx[v]);
+            match &node.var {
                 None => out.nodes[t].copy_from_slice(&x.nodes[t]),
-                Some(first) => {
-                    let dx = &dx[first..first + model.nv];
-                    model.integrate_scaled_into(&x.nodes[t], dx, step, &mut out.nodes[t]);
+                Some(vars) => {
+                    let dq = |i: usize| change(vars, i);
+                    model.integrate_by_into(&x.nodes[t], dq, &mut out.nodes[t]);
                 }
             }
-            if let Some(first) = node.velocity_var {
+            if let Some(vars) = &node.velocity_var {
                 for i in 0..model.nv {
-                    out.velocities[t][i] = x.velocities[t][i] + step * dx[first + i];
+                    out.velocities[t][i] = x.velocities[t][i] + change(vars, i);
                 }
             }
         }
@@ -406,13 +432,15 @@ impl Problem for Trajectory {
     fn coordinates(&self, x: &Point, out: &mut [f64]) {
         let model = &self.program.system.model;
         for (t, node) in self.program.nodes.iter().enumerate() {
-            if let Some(first) = node.var {
+            if let Some(vars) = &node.var {
                 for joint in self.program.system.actuated() {
-                    out[first + joint.idx_v] = x.nodes[t][joint.idx_q];
+                    out[vars.robot + joint.idx_v] = x.nodes[t][joint.idx_q];
                 }
             }
-            if let Some(first) = node.velocity_var {
-                out[first..first + model.nv].copy_from_slice(&x.velocities[t]);
+            if let Some(vars) = &node.velocity_var {
+                for (i, v) in x.velocities[t].iter().enumerate() {
+                    vars.get(i).into_iter().for_each(|at| out[at] = *v);
+                }
             }
         }
         debug_assert_eq!(model.nq, x.nodes[0].len());

@@ -81,13 +81,16 @@ fn bounded_variables(program: &Program) -> Vec<(usize, RowLabel, usize)> {
     let mut out = Vec::new();
     let last = program.n_intervals() - 1;
     for (t, node) in program.nodes.iter().enumerate() {
-        let Some(first) = node.var.filter(|_| program.master_node(t) == t) else {
-            continue;
-        };
+        let own = node.var.as_ref().filter(|_| program.master_node(t) == t);
+        let Some(vars) = own else { continue };
         for joint in program.system.actuated() {
             let subject = Subject::Coordinate(joint.idx_v);
             let range = label("joint range", subject, 1.0, "rad");
-            out.push((first + joint.idx_v, range, program.phase_of(t.min(last))));
+            out.push((
+                vars.robot + joint.idx_v,
+                range,
+                program.phase_of(t.min(last)),
+            ));
         }
     }
     for interval in &program.intervals {

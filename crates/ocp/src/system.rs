@@ -9,6 +9,7 @@ use nalgebra::{Rotation3, Vector3};
 use scene::{Interface, Owner, Role, Scene};
 use spatial::{Inertia, Pose};
 use std::f64::consts::PI;
+use std::ops::Range;
 
 /// Cosine of the angle up to which a base's z axis counts as upright.
 const UPRIGHT: f64 = 0.8;
@@ -83,6 +84,13 @@ impl System {
     /// First index of an object in q.
     pub fn object_q(&self, object: usize) -> usize {
         self.model.joints[self.object_joint(object)].idx_q
+    }
+
+    /// The parts of v whose equations of motion are alike in what they depend on: the robot's, then each object's.
+    pub fn motion_blocks(&self) -> impl Iterator<Item = Range<usize>> + use<> {
+        let robot = 0..self.robot_nv;
+        let objects = (self.robot_nv..self.model.nv).step_by(6);
+        std::iter::once(robot).chain(objects.map(|first| first..first + 6))
     }
 
     /// Where an interface sits.

@@ -24,7 +24,7 @@ pub struct TorqueSpeedRow {
     pub next: bool,
 }
 
-/// All of an interval, in one block with the columns of the equations of motion.
+/// All of an interval, in one block with the columns of the robot's equations of motion.
 #[derive(Debug, Clone, Default)]
 pub struct TorqueSpeedRows {
     /// One after the other.
@@ -70,27 +70,26 @@ impl TorqueSpeedRows {
         }
     }
 
-    /// Writes the block: the rows of the equations of motion (the first block, `nv` rows, complete) and ∂(σ v).
+    /// Writes the block with columns `cols`, ascending: the rows of the equations of motion (column-major, with their number
+    /// of rows) and ∂(σ v).
     pub(crate) fn jacobian(
         &self,
         at: &Velocities<'_>,
         motion: &Motion,
-        nv: usize,
-        jacobians: &mut [Vec<f64>],
+        (torques, nv): (&[f64], usize),
+        cols: &[usize],
+        out: &mut [f64],
     ) {
-        let Some(block) = self.block else { return };
-        let (before, rest) = jacobians.split_at_mut(block);
-        let (torques, out) = (&before[0], &mut rest[0]);
         let n_rows = self.rows.len();
-        for (out, column) in out.chunks_exact_mut(n_rows).zip(torques.chunks_exact(nv)) {
+        for (out, &c) in out.chunks_exact_mut(n_rows).zip(cols) {
             for (o, row) in out.iter_mut().zip(&self.rows) {
-                *o = column[row.coordinate];
+                *o = torques[c * nv + row.coordinate];
             }
         }
         for (r, row) in self.rows.iter().enumerate() {
             let (i, slope) = (row.coordinate, row.slope);
             let mut add = |column: Option<usize>, value: f64| {
-                if let Some(column) = column {
+                if let Some(Ok(column)) = column.map(|c| cols.binary_search(&c)) {
                     out[column * n_rows + r] += value;
                 }
             };

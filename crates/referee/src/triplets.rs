@@ -161,15 +161,19 @@ impl Triplets {
     }
 }
 
-/// The columns by d of a list of variables: plain ones as they are, all six of a floating body if one of them is there.
+/// The columns by d of a list of variables: plain ones as they are, once each, all six of a floating body if one of them is
+/// there.
 fn columns(chart: &Chart, vars: impl Iterator<Item = usize>) -> Vec<Column> {
     let mut columns: Vec<Column> = Vec::new();
     for (position, var) in vars.enumerate() {
         let Some((body, _)) = chart.place(var) else {
-            columns.push(Column {
-                var,
-                from: vec![(position, var)],
-            });
+            match columns.iter_mut().find(|c| c.var == var) {
+                Some(column) => column.from.push((position, var)),
+                None => columns.push(Column {
+                    var,
+                    from: vec![(position, var)],
+                }),
+            }
             continue;
         };
         let first = chart.floating()[body];

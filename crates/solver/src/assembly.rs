@@ -6,6 +6,9 @@ use faer::{Accum, MatMut, MatRef, Par};
 
 use crate::kernels::add_lower_product;
 
+/// Position of what is in no front.
+pub(crate) const NOWHERE: usize = usize::MAX;
+
 /// Consecutive local indices whose positions in the front are consecutive too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Run {
@@ -14,12 +17,17 @@ pub(crate) struct Run {
     length: usize,
 }
 
-/// The runs of a list that gives the position in the front of each local index.
+/// The runs of a list that gives the position in the front of each local index; without those that are nowhere.
 pub(crate) fn runs(positions: impl IntoIterator<Item = usize>) -> Vec<Run> {
     let mut runs: Vec<Run> = Vec::new();
     for (local, front) in positions.into_iter().enumerate() {
         match runs.last_mut() {
-            Some(run) if run.front + run.length == front => run.length += 1,
+            _ if front == NOWHERE => {}
+            Some(run)
+                if [run.local, run.front].map(|first| first + run.length) == [local, front] =>
+            {
+                run.length += 1;
+            }
             _ => runs.push(Run {
                 local,
                 front,
@@ -43,7 +51,17 @@ impl Assembly<'_> {
     /// Adds `value` at the element's local row `i` and column `j`; symmetric, give each pair once.
     #[inline]
     pub fn add(&mut self, i: usize, j: usize, value: f64) {
-        let (i, j) = (self.of_element[i], self.of_element[j]);
+        let places = (self.of_element[i], self.of_element[j]);
+        if places.0 != NOWHERE && places.1 != NOWHERE {
+            // Two local indices of the same unknown: the pair and its mirror image meet on the diagonal.
+            let both = i != j && places.0 == places.1;
+            self.add_at(places, if both { 2.0 * value } else { value });
+        }
+    }
+
+    /// Adds `value` at a pair of positions.
+    #[inline]
+    fn add_at(&mut self, (i, j): (usize, usize), value: f64) {
         self.below(i.min(j), i.max(j))[0] += value;
     }
 
@@ -55,7 +73,8 @@ impl Assembly<'_> {
 
     /// Begins with the lower triangle of a symmetric `n × n` matrix, placed as in [`Assembly::add_symmetric`].
     pub(crate) fn set_symmetric(&mut self, runs: &[Run], n: usize, matrix: &[f64]) {
-        if runs.len() > 1 || n < self.n_front {
+        let in_order = |run: &Run| run.length == n && n == self.n_front;
+        if !matches!(runs, [run] if in_order(run)) {
             self.clear();
             self.add_symmetric(runs, n, matrix);
             return;
@@ -66,7 +85,8 @@ impl Assembly<'_> {
         }
     }
 
-    /// Adds the lower triangle of a symmetric `n × n` matrix, column-major, whose indices lie where the runs say.
+    /// Adds the lower triangle of a symmetric `n × n` matrix, column-major, whose indices lie where the runs say, several at
+    /// the same place if need be.
     pub(crate) fn add_symmetric(&mut self, runs: &[Run], n: usize, matrix: &[f64]) {
         for (k, run) in runs.iter().enumerate() {
             for step in 0..run.length {
@@ -78,10 +98,11 @@ impl Assembly<'_> {
                     let values = &column[other.local..other.local + other.length];
                     if other.front > position {
                         add_to(self.below(position, other.front), values);
-                    } else {
-                        for (i, value) in values.iter().enumerate() {
-                            self.below(other.front + i, position)[0] += value;
-                        }
+                        continue;
+                    }
+                    for (i, value) in (other.front..).zip(values) {
+                        let value = if i == position { 2.0 * value } else { *value };
+                        self.add_at((i, position), value);
                     }
                 }
             }
@@ -145,37 +166,44 @@ mod tests {
         let expected = vec![run(0, 4, 3), run(3, 0, 1), run(4, 2, 2)];
         assert_eq!(runs([4, 5, 6, 0, 2, 3]), expected);
         assert!(runs([]).is_empty());
+        let expected = vec![run(0, 4, 1), run(2, 5, 2)];
+        assert_eq!(runs([4, NOWHERE, 5, 6, NOWHERE]), expected);
     }
 
     #[test]
     fn a_matrix_in_runs_is_added_as_entry_by_entry() {
         let (n, m) = (7, 3);
-        // Runs that change their order, one that crosses the border of the eliminated columns.
-        let places = [2, 3, 4, 6, 0, 1];
-        let k = places.len();
-        let matrix: Vec<f64> = (0..k * k).map(|i| 1.0 + i as f64).collect();
-        let assembled = |by_entry: bool| {
-            let mut panel = vec![0.5; n * m];
-            let mut schur = vec![0.25; (n - m) * (n - m)];
-            let mut front = Assembly {
-                panel: &mut panel,
-                schur: &mut schur,
-                n_front: n,
-                n_eliminated: m,
-                of_element: &places,
-            };
-            if by_entry {
-                for j in 0..k {
-                    for i in j..k {
-                        front.add(i, j, matrix[j * k + i]);
+        // Runs that change their order, one that crosses the border of the eliminated columns; unknowns that stand twice.
+        for places in [
+            [2, 3, 4, 6, 0, 1],
+            [2, 3, 4, 0, 3, 4],
+            [1, 2, NOWHERE, 2, 1, 6],
+        ] {
+            let k = places.len();
+            let matrix: Vec<f64> = (0..k * k).map(|i| 1.0 + i as f64).collect();
+            let assembled = |by_entry: bool| {
+                let mut panel = vec![0.5; n * m];
+                let mut schur = vec![0.25; (n - m) * (n - m)];
+                let mut front = Assembly {
+                    panel: &mut panel,
+                    schur: &mut schur,
+                    n_front: n,
+                    n_eliminated: m,
+                    of_element: &places,
+                };
+                if by_entry {
+                    for j in 0..k {
+                        for i in j..k {
+                            front.add(i, j, matrix[j * k + i]);
+                        }
                     }
+                } else {
+                    front.add_symmetric(&runs(places), k, &matrix);
                 }
-            } else {
-                front.add_symmetric(&runs(places), k, &matrix);
-            }
-            (panel, schur)
-        };
-        assert_eq!(assembled(true), assembled(false));
+                (panel, schur)
+            };
+            assert_eq!(assembled(true), assembled(false), "{places:?}");
+        }
     }
 
     #[test]
@@ -215,7 +243,12 @@ mod tests {
     #[test]
     fn a_matrix_to_begin_with_leaves_nothing_of_what_was_there() {
         let (n, m) = (4, 3);
-        for places in [vec![0, 1, 2, 3], vec![1, 0, 3, 2], vec![2, 3]] {
+        for places in [
+            vec![0, 1, 2, 3],
+            vec![1, 0, 3, 2],
+            vec![2, 3],
+            vec![0, 1, NOWHERE, 2, 3],
+        ] {
             let k = places.len();
             let matrix: Vec<f64> = (0..k * k).map(|i| 1.0 + i as f64).collect();
             let assembled = |begin: bool| {

@@ -2,7 +2,7 @@
 //!
 //! Every variable is eliminated with the last element that touches it, so the *front* of an element holds its own
 //! variables and those carried over from its predecessors. With elements that follow one another in time the fronts
-//! stay small and the cost is linear in their number.
+//! stay small and the cost is linear in their number. Fixed variables are in no front.
 //!
 //! Source: Duff and Reid 1983; the dense kernels are faer's.
 
@@ -17,7 +17,7 @@ use faer::{Accum, MatMut, Par, Spec};
 
 use crate::Structure;
 pub use crate::assembly::Assembly;
-use crate::assembly::{Run, runs};
+use crate::assembly::{NOWHERE, Run, runs};
 use crate::kernels::{add_scaled, dot};
 
 /// The matrix is not positive definite: the element and its failed pivot.
@@ -34,7 +34,7 @@ struct Symbolic {
     vars: Vec<usize>,
     /// How many of them are eliminated here.
     n_eliminated: usize,
-    /// Position in the front of each variable of the element.
+    /// Position in the front of each variable of the element, [`NOWHERE`] for fixed ones.
     of_element: Vec<usize>,
     /// The same in runs.
     runs: Vec<Run>,
@@ -45,6 +45,8 @@ struct Symbolic {
 /// Factorisation with its buffers; allocated once.
 pub struct Fronts {
     symbolic: Vec<Symbolic>,
+    /// Global indices of the fixed variables.
+    fixed: Vec<usize>,
     /// Per element the factor's columns, column-major `front × eliminated`.
     panels: Vec<Vec<f64>>,
     /// Schur complement of the current and of the next front.
@@ -78,6 +80,9 @@ impl Fronts {
         let n_front = symbolic.iter().map(|s| s.vars.len()).max().unwrap_or(0);
         Self {
             symbolic,
+            fixed: (0..structure.n_vars)
+                .filter(|&v| structure.is_fixed(v))
+                .collect(),
             panels,
             schur: [vec![0.0; n_schur * n_schur], vec![0.0; n_schur * n_schur]],
             scratch,
@@ -134,8 +139,11 @@ impl Fronts {
         Ok(())
     }
 
-    /// Solves in place with the last factorisation; `rhs` over all variables.
+    /// Solves in place with the last factorisation; `rhs` over all variables, of which the fixed ones become zero.
     pub fn solve(&mut self, rhs: &mut [f64]) {
+        for &v in &self.fixed {
+            rhs[v] = 0.0;
+        }
         self.forward(rhs);
         self.backward(rhs);
     }
@@ -243,12 +251,16 @@ fn analyse(structure: &Structure) -> Vec<Symbolic> {
         "every variable belongs to an element"
     );
     let mut fronts: Vec<Symbolic> = Vec::with_capacity(structure.elements.len());
-    let mut position = vec![usize::MAX; structure.n_vars];
+    let mut position = vec![NOWHERE; structure.n_vars];
     let mut carried: Vec<usize> = Vec::new();
     for (e, element) in structure.elements.iter().enumerate() {
         // In the element's own order where possible, so that its matrix is added in few runs.
-        let mut vars = element.vars.clone();
-        vars.extend(carried.iter().filter(|v| !element.vars.contains(v)));
+        let mut vars: Vec<usize> = Vec::new();
+        for &v in element.vars.iter().chain(&carried) {
+            if !structure.is_fixed(v) && !vars.contains(&v) {
+                vars.push(v);
+            }
+        }
         vars.sort_by_key(|&v| last[v] != e);
         let n_eliminated = vars.iter().filter(|&&v| last[v] == e).count();
         for (i, &v) in vars.iter().enumerate() {

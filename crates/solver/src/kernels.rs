@@ -25,6 +25,14 @@ pub(crate) fn add_scaled(sums: &mut [f64], column: &[f64], factor: f64) {
     }
 }
 
+/// `sums += diag(factors) column`.
+#[inline]
+pub(crate) fn add_scaled_by(sums: &mut [f64], column: &[f64], factors: &[f64]) {
+    for ((sum, x), factor) in sums.iter_mut().zip(column).zip(factors) {
+        *sum += factor * x;
+    }
+}
+
 /// `out` (lower triangle, column-major `n × n`) = aᵀ a with `a` column-major `m × n`.
 pub(crate) fn gram(a: &[f64], m: usize, n: usize, out: &mut [f64]) {
     let a = MatRef::from_column_major_slice(&a[..m * n], m, n);

@@ -9,16 +9,13 @@
 //! for equalities, s/z for inequalities. It is condensed to W + D + Jᵀ (R + δ)⁻¹ J, which is positive definite exactly
 //! when the inertia of the system is right, factorised front by front, and refined to remove δ.
 
-use crate::assembly::{Run, runs};
+use crate::columns::{Columns, is_dense};
 use crate::front::{Fronts, NotPositiveDefinite};
 use crate::kernels::gram;
 use crate::products::{block_multiply, block_transpose_multiply, symmetric_multiply};
 pub(crate) use crate::products::{jacobian_multiply, transpose_multiply};
 use crate::wide_rows::WideRows;
 use crate::{BlockStructure, ElementData, ElementStructure, Structure};
-
-/// Blocks with at least this many Jacobian entries go through the dense kernel.
-const DENSE_BLOCK: usize = 600;
 
 /// Matrix, factorisation and scratch of the Newton system.
 pub struct Kkt {
@@ -47,7 +44,7 @@ pub struct Kkt {
 /// Where the columns of an element's blocks lie in its front.
 struct Places {
     /// No runs where the block is one of the wide rows.
-    blocks: Vec<Vec<Run>>,
+    blocks: Vec<Columns>,
     wide_rows: WideRows,
 }
 
@@ -88,7 +85,7 @@ impl Kkt {
             let positions = fronts.positions(e);
             let of_block = |b: &BlockStructure| {
                 let cols = if WideRows::has(b) { &[] } else { &b.cols[..] };
-                runs(cols.iter().map(|&c| positions[c]))
+                Columns::new(cols.iter().map(|&c| positions[c]), is_dense(b))
             };
             Places {
                 blocks: element.blocks.iter().map(of_block).collect(),
@@ -168,25 +165,25 @@ impl Kkt {
             places.wide_rows.add_gram(weight, scaled, gram, front);
             let blocks = element.blocks.iter().zip(&data.jacobians);
             for ((block, jacobian), places) in blocks.zip(&places.blocks) {
-                let (m, width) = (block.n_rows, block.cols.len());
-                if m == 0 || places.is_empty() {
+                let m = block.n_rows;
+                if m == 0 || places.runs.is_empty() {
                     continue;
                 }
                 for (r, w) in weights[..m].iter_mut().enumerate() {
                     *w = weight(block.first_row + r);
                 }
                 let weights = &mut weights[..m];
-                if m * width < DENSE_BLOCK {
-                    small_gram(jacobian, width, weights, scaled, gram);
-                    front.add_symmetric(places, width, gram);
+                if !is_dense(block) {
+                    small_gram(jacobian, block.cols.len(), weights, scaled, gram);
+                    front.add_symmetric(&places.runs, block.cols.len(), gram);
                     continue;
                 }
-                scale_rows(jacobian, weights, scaled);
-                if let [run] = places[..] {
+                places.scale_rows(jacobian, weights, scaled);
+                if let [run] = places.runs[..] {
                     front.add_gram(run, m, scaled);
                 } else {
-                    self::gram(scaled, m, width, gram);
-                    front.add_symmetric(places, width, gram);
+                    self::gram(scaled, m, places.width, gram);
+                    front.add_symmetric(&places.runs, places.width, gram);
                 }
             }
         })
@@ -336,19 +333,6 @@ enum Next {
     Trusted,
     /// The residual of the whole system, whose part Jᵀ dy joins Jᵀ (R + δ)⁻¹ l.
     Exact,
-}
-
-/// `out` = diag(√weights) J, column-major as `jacobian`. The weights become their roots.
-fn scale_rows(jacobian: &[f64], weights: &mut [f64], out: &mut [f64]) {
-    let m = weights.len();
-    for w in weights.iter_mut() {
-        *w = w.sqrt();
-    }
-    for (to, from) in out.chunks_exact_mut(m).zip(jacobian.chunks_exact(m)) {
-        for ((to, from), w) in to.iter_mut().zip(from).zip(&*weights) {
-            *to = from * w;
-        }
-    }
 }
 
 /// Lower triangle of Jᵀ diag(weights) J into `out`, column-major `n × n`, for `jacobian` column-major `m × n`.

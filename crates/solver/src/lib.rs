@@ -15,6 +15,7 @@
 
 mod assembly;
 mod barrier;
+mod columns;
 mod filter;
 pub mod front;
 pub mod interior_point;

@@ -14,7 +14,7 @@ pub struct BlockStructure {
 /// One element: the variables that it touches and its rows.
 #[derive(Debug, Clone, Default)]
 pub struct ElementStructure {
-    /// Global indices of the variables, no repetition.
+    /// Global indices of the variables. One may stand at several places: these are then the same unknown.
     pub vars: Vec<usize>,
     /// Lower bound per row; −∞ where there is none; equal to the upper one for an equality.
     pub row_lower: Vec<f64>,
@@ -38,7 +38,7 @@ pub struct Structure {
     pub n_vars: usize,
     /// Lower bounds of the variables; −∞ where there is none.
     pub lower: Vec<f64>,
-    /// Upper bounds of the variables; +∞ where there is none.
+    /// Upper bounds of the variables; +∞ where there is none; equal to the lower one for a fixed variable.
     pub upper: Vec<f64>,
     /// The elements in the order in which they are eliminated.
     pub elements: Vec<ElementStructure>,
@@ -54,6 +54,14 @@ pub enum Contradiction {
 }
 
 impl Structure {
+    /// True of a variable whose bounds are equal.
+    pub(crate) fn is_fixed(&self, v: usize) -> bool {
+        self.lower
+            .get(v)
+            .zip(self.upper.get(v))
+            .is_some_and(|(l, u)| l == u)
+    }
+
     /// The first row, else the first variable, whose lower bound is not below or at its upper one.
     pub fn contradiction(&self) -> Option<Contradiction> {
         let crossed = |(l, u): (&f64, &f64)| l.is_nan() || u.is_nan() || l > u;

@@ -2,9 +2,9 @@
 //!
 //! Many elements have many rows that touch some tens of columns each, in orders of their own, where the columns of all
 //! together are not many more: they are packed into one dense matrix, without those that are zero. One product with it is
-//! cheaper than those with the rows one by one.
+//! cheaper than those with the rows one by one. Columns of the same unknown are one.
 
-use crate::assembly::{Assembly, Run, runs};
+use crate::assembly::{Assembly, NOWHERE, Run, runs};
 use crate::kernels::{add_scaled, dot, gram_of_rows};
 use crate::{BlockStructure, ElementData, ElementStructure};
 
@@ -27,8 +27,8 @@ pub(crate) struct WideRows {
 struct Block {
     index: usize,
     row: usize,
-    /// Where its columns are among those of all rows.
-    places: Vec<u32>,
+    /// Its columns, and where they are among those of all rows; without fixed variables.
+    places: Vec<(u32, u32)>,
 }
 
 impl WideRows {
@@ -42,14 +42,19 @@ impl WideRows {
         let blocks = element.blocks.iter().enumerate();
         let wide = || blocks.clone().filter(|b| Self::has(b.1));
         let mut cols: Vec<usize> = wide().flat_map(|b| b.1.cols.iter().copied()).collect();
+        cols.retain(|&c| positions[c] != NOWHERE);
         cols.sort_unstable_by_key(|&c| positions[c]);
-        cols.dedup();
-        let place = |c: &usize| cols.partition_point(|&p| positions[p] < positions[*c]) as u32;
+        cols.dedup_by_key(|c| positions[*c]);
+        let place = |c: usize| cols.partition_point(|&p| positions[p] < positions[c]) as u32;
         let blocks: Vec<Block> = wide()
             .map(|(index, block)| Block {
                 index,
                 row: block.first_row,
-                places: block.cols.iter().map(place).collect(),
+                places: (0..)
+                    .zip(&block.cols)
+                    .filter(|(_, c)| positions[**c] != NOWHERE)
+                    .map(|(from, &c)| (from, place(c)))
+                    .collect(),
             })
             .collect();
         Self {
@@ -83,8 +88,8 @@ impl WideRows {
             }
             let row = rows.next().expect("room for all rows");
             row.fill(0.0);
-            for (x, &place) in jacobian.iter().zip(&block.places) {
-                row[place as usize] = *x;
+            for &(from, place) in &block.places {
+                row[place as usize] += jacobian[from as usize];
             }
             self.packed.push(block.row);
         }

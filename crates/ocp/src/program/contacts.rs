@@ -18,7 +18,7 @@ const PLAY: f64 = 5e-5;
 
 /// True if `contact` binds the geometry of interval `t`: it is active there, or, with explicit Euler, was released at node t
 /// (formulation 2.19: at rest at the release too; the other integrators imply that).
-fn binds(phases: &[Phase], program: &Program, contact: Contact, t: usize) -> bool {
+pub(super) fn binds(phases: &[Phase], program: &Program, contact: Contact, t: usize) -> bool {
     let active = |t: usize| {
         phases[program.phase_of(t)]
             .state
@@ -69,20 +69,25 @@ impl Builder<'_> {
             let here = binds(phases, &self.program, contact, t);
             let before = t > 0 && binds(phases, &self.program, contact, t - 1);
             let frame = self.contact_frame(contact);
-            if (here || before) && self.program.nodes[t].var.is_some() {
+            // Where neither side has moved since the node before, its rows say it all.
+            let known = t > 0
+                && (before || (t > 1 && binds(phases, &self.program, contact, t - 2)))
+                && self.is_settled(contact, t);
+            if (here || before) && !known && self.program.nodes[t].var.is_some() {
                 self.contact_rows(t, t, contact, frame);
             }
             // The last keyframe has no element of its own; its rows sit in the last one.
-            if keyframes && t + 1 == n && here {
+            if keyframes && t + 1 == n && here && !self.is_settled(contact, t + 1) {
                 self.contact_rows(t, t + 1, contact, frame);
             }
             let by_velocity = !keyframes && self.program.settings.sticking == Sticking::Velocity;
-            let p = &mut self.program;
-            if p.has_velocities() && here && !before && p.nodes[t].velocity_var.is_some() {
+            let is_new = here && !before && !self.is_at_rest(contact, t);
+            let p = &self.program;
+            if p.has_velocities() && is_new && p.nodes[t].velocity_var.is_some() {
                 self.touch_rows(t, contact, frame);
             }
-            let p = &mut self.program;
-            if p.grid == Grid::State {
+            let p = &self.program;
+            if p.grid == Grid::State || self.is_settled(contact, t + 1) {
                 continue;
             }
             if here && p.nodes[t + 1].var.is_some() && p.moves(t) {

@@ -7,7 +7,7 @@ use solver::BlockStructure;
 
 impl Builder<'_> {
     /// Rows of M a + b − Σ Jᵀλ: base and objects zero, joints within the torque limits; with `momentum` the base's six are
-    /// those of the robot's momentum. The first block of the element.
+    /// those of the robot's momentum. The first blocks of the element: the robot's rows, then each object's.
     pub(super) fn equations_of_motion(&mut self, t: usize) {
         if !self.program.intervals[t].dynamics {
             return;
@@ -39,11 +39,13 @@ impl Builder<'_> {
                 self.labels[t].push(label);
             }
         }
-        p.structure.elements[t].blocks.push(BlockStructure {
-            first_row: 0,
-            n_rows: p.system.model.nv,
-            cols: vec![],
-        });
+        for rows in p.system.motion_blocks() {
+            p.structure.elements[t].blocks.push(BlockStructure {
+                first_row: rows.start,
+                n_rows: rows.len(),
+                cols: vec![],
+            });
+        }
     }
 
     /// One row and block per actuated joint.

@@ -21,11 +21,15 @@ impl Builder<'_> {
             first_row: element.n_rows(),
             first_block: element.blocks.len(),
         });
-        for joint in &p.system.model.joints {
+        for (j, joint) in p.system.model.joints.iter().enumerate() {
             let (first_row, n_rows) = (element.n_rows(), joint.kind.nv());
+            // What is at rest has nothing to integrate.
+            let object = j.checked_sub(p.system.n_robot_joints);
+            let moves = object.is_none_or(|o| !p.rests.stays(o, t + 1));
+            let bound = if moves { 0.0 } else { f64::INFINITY };
             for k in 0..n_rows {
-                element.row_lower.push(0.0);
-                element.row_upper.push(0.0);
+                element.row_lower.push(-bound);
+                element.row_upper.push(bound);
                 let subject = Subject::Coordinate(joint.idx_v + k);
                 let unit = if n_rows == 6 && k < 3 { "m" } else { "rad" };
                 self.labels[t].push(label("integrator", subject, DISPLACEMENT_SCALE, unit));

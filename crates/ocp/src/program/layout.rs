@@ -1,6 +1,9 @@
 //! Durations, the variables of every element and the columns of every block.
 
-use super::{Builder, Force, Grid, Interval};
+use std::collections::BTreeSet;
+
+use super::{Builder, Force, Grid, Interval, Program, Variables};
+use solver::ElementStructure;
 
 impl Builder<'_> {
     /// Lists the variables of every element and the columns of every block, now that all terms are known.
@@ -20,26 +23,24 @@ impl Builder<'_> {
         }
         for t in 0..n {
             let mut vars: Vec<usize> = Vec::new();
-            let moves = p.moves(t);
+            let (moves, still) = (p.moves(t), p.still_var.unwrap_or(usize::MAX));
             let i = &mut p.intervals[t];
             vars.extend(i.wrench_var..i.wrench_var + i.n_wrench);
-            let mut place = |var: Option<usize>, wanted: bool| -> Option<usize> {
-                let first = var.filter(|_| wanted)?;
-                if let Some(at) = vars.iter().position(|&v| v == first) {
+            let place = |vars: &mut Vec<usize>, new: Option<&Variables>| -> Option<usize> {
+                let new = new?;
+                if let Some(at) = vars.iter().position(|&v| v == new.robot) {
                     return Some(at);
                 }
-                vars.extend(first..first + nv);
+                vars.extend((0..nv).map(|k| new.get(k).unwrap_or(still)));
                 Some(vars.len() - nv)
             };
-            i.a = place(p.nodes[t].var, true);
-            i.velocity = place(p.nodes[t].velocity_var, true);
-            i.velocity_next = place(p.nodes[t + 1].velocity_var, true);
-            i.b = place(p.nodes[t + 1].var, !states && (moves || i.v_next));
-            i.c = if i.v_next && !states {
-                place(p.nodes[t + 2].var, true)
-            } else {
-                None
-            };
+            let of = |node: usize, wanted: bool| p.nodes[node].var.as_ref().filter(|_| wanted);
+            let velocity_of = |node: usize| p.nodes[node].velocity_var.as_ref();
+            i.a = place(&mut vars, of(t, true));
+            i.velocity = place(&mut vars, velocity_of(t));
+            i.velocity_next = place(&mut vars, velocity_of(t + 1));
+            i.b = place(&mut vars, of(t + 1, !states && (moves || i.v_next)));
+            i.c = place(&mut vars, of((t + 2).min(n), !states && i.v_next));
             if motion && !states && (i.v || i.v_next) {
                 i.time = Some(vars.len());
                 vars.push(p.duration_var + i.phase);
@@ -59,22 +60,19 @@ impl Builder<'_> {
             }
             // The equations of motion touch all but the configuration of the next node, if velocities are unknowns.
             let in_motion = vars.len();
-            if let (true, Some(first)) = (states && moves, p.nodes[t + 1].var) {
+            if let Some(next) = of(t + 1, states && moves) {
                 i.b = Some(in_motion);
-                vars.extend(first..first + nv);
+                vars.extend((0..nv).map(|k| next.get(k).unwrap_or(still)));
             }
             if states && t + 1 < n {
                 Self::changes(&mut p.intervals[t..=t + 1], &mut vars);
             }
+            p.structure.elements[t].vars = vars;
+            if p.intervals[t].dynamics {
+                Self::motion_columns(p, t, in_motion);
+            }
             let i = &p.intervals[t];
             let e = &mut p.structure.elements[t];
-            e.vars = vars;
-            if i.dynamics {
-                e.blocks[0].cols = (0..in_motion).collect();
-            }
-            if let Some(block) = i.torque_speed.block {
-                e.blocks[block].cols = (0..in_motion).collect();
-            }
             if i.velocity_rows.is_some() {
                 for (k, joint) in p.system.actuated().enumerate() {
                     let nodes = [i.a, i.b]
@@ -151,6 +149,39 @@ impl Builder<'_> {
 }
 
 impl Builder<'_> {
+    /// What the equations of motion of interval `t` depend on, body by body: its own motion, the wrenches of its contacts, and
+    /// where what touches it is. The robot's, and those of torque at speed, have all columns: few are zero, and in one piece they
+    /// are multiplied faster.
+    fn motion_columns(p: &mut Program, t: usize, in_motion: usize) {
+        let i = &p.intervals[t];
+        let configurations = [i.a, i.b.filter(|_| !p.has_velocities()), i.c];
+        let nodes = configurations
+            .into_iter()
+            .chain([i.velocity, i.velocity_next]);
+        let nodes: Vec<usize> = nodes.flatten().collect();
+        let ElementStructure { vars, blocks, .. } = &mut p.structure.elements[t];
+        for (block, rows) in p.system.motion_blocks().enumerate().skip(1) {
+            let own = nodes
+                .iter()
+                .flat_map(|&first| first + rows.start..first + rows.end);
+            let mut cols: BTreeSet<usize> = own.chain(i.time).chain(i.time_next).collect();
+            for force in &i.forces {
+                let touched = &p.frames[force.frame].cols;
+                if touched.iter().any(|col| rows.contains(col)) {
+                    cols.extend(force.first..force.first + force.n);
+                    if let Some(first) = i.a {
+                        cols.extend(touched.iter().map(|c| first + c));
+                    }
+                }
+            }
+            let moves = |c: &usize| Some(vars[*c]) != p.still_var;
+            blocks[block].cols = cols.into_iter().filter(moves).collect();
+        }
+        for block in [0].into_iter().chain(i.torque_speed.block) {
+            blocks[block].cols = (0..in_motion).collect();
+        }
+    }
+
     /// Appends the wrench variables of the next interval whose contacts are those of this one, if they bear as much: with
     /// another scale, what they bear changes anyway.
     fn changes(pair: &mut [Interval], vars: &mut Vec<usize>) {

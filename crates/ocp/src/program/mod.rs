@@ -22,6 +22,7 @@ pub(crate) mod landing;
 mod layout;
 mod loads;
 mod node;
+mod rest;
 mod rows;
 mod torque_speed;
 mod variables;
@@ -40,7 +41,8 @@ pub use interval::{
     Force, ForceRows, IntegratorRows, Interval, OnRobot, Passage, Slip, Stage, Stick, Touch,
 };
 pub use label::{RowLabel, Subject};
-pub use node::{Node, NodeCost, NodeTerm};
+pub use node::{Node, NodeCost, NodeTerm, Variables};
+pub use rest::Rests;
 
 /// One phase of a contact sequence.
 #[derive(Debug, Clone, PartialEq)]
@@ -91,8 +93,12 @@ pub struct Program {
     pub nodes: Vec<Node>,
     /// Intervals 0 … N−1.
     pub intervals: Vec<Interval>,
+    /// Where objects are at rest.
+    pub rests: Rests,
     /// First duration variable.
     pub duration_var: usize,
+    /// A variable that is always zero, for what is at rest; `None` where nothing is.
+    pub still_var: Option<usize>,
     /// Posture that costs nothing, per velocity index (0 for floating bodies).
     pub home: Vec<f64>,
     /// Weight of an interval or node of each phase in the costs that are sums over them.
@@ -166,7 +172,9 @@ impl Program {
                 frames: vec![],
                 nodes: vec![Node::default(); n + 1],
                 intervals: vec![Interval::default(); n],
+                rests: Rests::default(),
                 duration_var: 0,
+                still_var: None,
                 home: vec![0.0; nv],
                 share: shares(settings, grid, &steps),
                 motion_weights: [vec![(0.0, 0.0); nv], vec![(0.0, 0.0); nv]],
@@ -187,6 +195,8 @@ impl Program {
         };
         builder.start.update(&system.model, &system.start(scene));
         builder.scales(phases);
+        builder.intervals();
+        builder.rests(phases);
         builder.variables();
         builder.around_landings(phases);
         builder.costs();

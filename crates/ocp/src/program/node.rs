@@ -34,13 +34,34 @@ pub struct NodeCost {
     pub kind: CostTerm,
 }
 
+/// The variables of a node's increments, or of its velocities.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Variables {
+    /// First one of the robot.
+    pub robot: usize,
+    /// Number of those of the robot.
+    pub n_robot: usize,
+    /// First one of each object; `None` where it is at rest.
+    pub objects: Vec<Option<usize>>,
+}
+
+impl Variables {
+    /// The variable of a velocity index; `None` where there is nothing to change.
+    pub fn get(&self, i: usize) -> Option<usize> {
+        match i.checked_sub(self.n_robot) {
+            None => Some(self.robot + i),
+            Some(k) => self.objects[k / 6].map(|first| first + k % 6),
+        }
+    }
+}
+
 /// One node.
 #[derive(Debug, Clone, Default)]
 pub struct Node {
-    /// First variable of its increments; `None` for a fixed node.
-    pub var: Option<usize>,
-    /// First variable of its velocity; `None` where it is no unknown of its own.
-    pub velocity_var: Option<usize>,
+    /// Variables of its increments; `None` for a fixed node.
+    pub var: Option<Variables>,
+    /// Variables of its velocity; `None` where it is no unknown of its own.
+    pub velocity_var: Option<Variables>,
     /// Relative frames evaluated here, indices into [`Program::frames`].
     pub frames: Vec<usize>,
     /// Rows.

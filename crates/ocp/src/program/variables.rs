@@ -1,8 +1,8 @@
 //! Scales of rows and costs, and the variables: node increments, bounded by the joints' ranges.
 
-use super::{Builder, Grid, Phase};
+use super::{Builder, Grid, Phase, Variables};
 use multibody::JointKind;
-use solver::ElementStructure;
+use solver::{ElementStructure, Structure};
 
 /// Time for which a force that counts as one makes a momentum that counts as one [s]: a typical interval.
 const MOMENTUM_STEP: f64 = 0.1;
@@ -62,60 +62,15 @@ impl Builder<'_> {
         }
     }
 
-    /// Increments of the free nodes with their bounds, and which velocities of every interval are free.
-    pub(super) fn variables(&mut self) {
+    /// Phases of the intervals, and which velocities of each are free.
+    pub(super) fn intervals(&mut self) {
         let p = &mut self.program;
-        let (n, nv) = (p.intervals.len(), p.system.model.nv);
+        let n = p.intervals.len();
         let motion = p.grid == Grid::Motion;
-        let states = p.has_velocities();
-        let mut phase_of = Vec::new();
-        for (k, &steps) in p.steps.iter().enumerate() {
-            phase_of.extend(std::iter::repeat_n(k, steps));
-        }
-        let s = &mut p.structure;
-        // With explicit Euler rest fixes node 1 too.
-        let first_free = if motion && !states { 2 } else { 1 };
-        let last_free = if motion { n - 1 } else { n };
-        for t in first_free..=last_free {
-            p.nodes[t].var = Some(s.n_vars);
-            for joint in &p.system.model.joints {
-                let margin = p
-                    .settings
-                    .margins
-                    .joint_range
-                    .min(0.1 * (joint.upper - joint.lower));
-                if joint.kind == JointKind::FreeFlyer {
-                    s.lower.extend([f64::NEG_INFINITY; 6]);
-                    s.upper.extend([f64::INFINITY; 6]);
-                } else {
-                    // What is nearer to its limit at the start may stay there, with some play.
-                    let start = self.scene.start[joint.idx_q];
-                    let (below, above) = (start - PLAY * margin, start + PLAY * margin);
-                    let lower = below.max(joint.lower);
-                    let upper = above.min(joint.upper);
-                    s.lower.push((joint.lower + margin).min(lower));
-                    s.upper.push((joint.upper - margin).max(upper));
-                }
-            }
-            s.n_vars += nv;
-            if states && t < n - 1 {
-                p.nodes[t].velocity_var = Some(s.n_vars);
-                for joint in &p.system.model.joints {
-                    let limit = joint.velocity_limit * p.settings.margins.velocity;
-                    for _ in 0..joint.kind.nv() {
-                        s.lower.push(-limit);
-                        s.upper.push(limit);
-                    }
-                }
-                s.n_vars += nv;
-            }
-        }
-        if motion {
-            p.nodes[n].var = p.nodes[n - 1].var;
-        }
-        for t in 0..n {
-            let i = &mut p.intervals[t];
-            i.phase = phase_of[t];
+        let steps = p.steps.iter().enumerate();
+        let phases = steps.flat_map(|(k, &steps)| std::iter::repeat_n(k, steps));
+        for (t, (i, phase)) in p.intervals.iter_mut().zip(phases).enumerate() {
+            i.phase = phase;
             i.dynamics = motion;
             (i.v, i.v_next) = if motion {
                 (t > 0 && t < n - 1, t + 2 < n)
@@ -123,6 +78,100 @@ impl Builder<'_> {
                 (true, false)
             };
         }
-        s.elements = vec![ElementStructure::default(); n];
+        p.structure.elements = vec![ElementStructure::default(); n];
     }
+
+    /// Increments of the free nodes with their bounds.
+    pub(super) fn variables(&mut self) {
+        let n = self.program.intervals.len();
+        let motion = self.program.grid == Grid::Motion;
+        let states = self.program.has_velocities();
+        // With explicit Euler rest fixes node 1 too.
+        let first_free = if motion && !states { 2 } else { 1 };
+        let last_free = if motion { n - 1 } else { n };
+        for t in first_free..=last_free {
+            self.increments(t);
+            if states && t < n - 1 {
+                self.velocities(t);
+            }
+        }
+        let p = &mut self.program;
+        if motion {
+            p.nodes[n].var = p.nodes[n - 1].var.clone();
+        }
+    }
+
+    /// Increments of a node: of the robot within its joints' ranges, of objects where they can differ from a node before.
+    fn increments(&mut self, t: usize) {
+        let p = &mut self.program;
+        let s = &mut p.structure;
+        let robot = s.n_vars;
+        for joint in &p.system.robot.joints {
+            let range = joint.upper - joint.lower;
+            let margin = p.settings.margins.joint_range.min(0.1 * range);
+            if joint.kind == JointKind::FreeFlyer {
+                s.lower.extend([f64::NEG_INFINITY; 6]);
+                s.upper.extend([f64::INFINITY; 6]);
+            } else {
+                // What is nearer to its limit at the start may stay there, with some play.
+                let start = self.scene.start[joint.idx_q];
+                let (below, above) = (start - PLAY * margin, start + PLAY * margin);
+                let lower = below.max(joint.lower);
+                let upper = above.min(joint.upper);
+                s.lower.push((joint.lower + margin).min(lower));
+                s.upper.push((joint.upper - margin).max(upper));
+            }
+        }
+        s.n_vars += p.system.robot_nv;
+        let object_var = |o: usize| {
+            let first = p.rests.since(o, t);
+            if let Some(first) = first.filter(|&first| first < t) {
+                let there = p.nodes[first].var.as_ref();
+                return there.and_then(|there| there.objects[o]);
+            }
+            Some(new_variables(s, 6, f64::INFINITY))
+        };
+        let objects = (0..self.scene.objects.len()).map(object_var).collect();
+        let numbered = self.numbered(robot, objects);
+        self.program.nodes[t].var = Some(numbered);
+    }
+
+    /// Velocities of a node; none of objects at rest.
+    fn velocities(&mut self, t: usize) {
+        let p = &mut self.program;
+        let s = &mut p.structure;
+        let robot = s.n_vars;
+        for joint in &p.system.robot.joints {
+            let limit = joint.velocity_limit * p.settings.margins.velocity;
+            new_variables(s, joint.kind.nv(), limit);
+        }
+        let object_var = |o: usize| {
+            let moves = p.rests.since(o, t).is_none();
+            moves.then(|| new_variables(s, 6, f64::INFINITY))
+        };
+        let objects = (0..self.scene.objects.len()).map(object_var).collect();
+        let numbered = self.numbered(robot, objects);
+        self.program.nodes[t].velocity_var = Some(numbered);
+    }
+
+    /// The variables of the robot and of objects, with the one for what is at rest where that is needed.
+    fn numbered(&mut self, robot: usize, objects: Vec<Option<usize>>) -> Variables {
+        let p = &mut self.program;
+        if p.still_var.is_none() && objects.iter().any(Option::is_none) {
+            p.still_var = Some(new_variables(&mut p.structure, 1, 0.0));
+        }
+        Variables {
+            robot,
+            n_robot: p.system.robot_nv,
+            objects,
+        }
+    }
+}
+
+/// Appends variables with bounds ±`limit`; the first one.
+fn new_variables(s: &mut Structure, count: usize, limit: f64) -> usize {
+    s.lower.extend(std::iter::repeat_n(-limit, count));
+    s.upper.extend(std::iter::repeat_n(limit, count));
+    s.n_vars += count;
+    s.n_vars - count
 }

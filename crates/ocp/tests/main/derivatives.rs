@@ -69,6 +69,9 @@ fn check_program(seed: u64, (mut trajectory, x): (Trajectory, Point)) {
                 direction[vars[random.index(vars.len())]] = random.uniform(0.5, 1.0);
             }
         }
+        if let Some(still) = trajectory.program.still_var {
+            direction[still] = 0.0;
+        }
         let mut at = |s: f64| {
             let mut moved = x.clone();
             trajectory.retract(&x, &direction, s, &mut moved);

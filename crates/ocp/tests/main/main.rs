@@ -2,4 +2,5 @@
 mod derivatives;
 mod keyframes;
 mod paper;
+mod rests;
 mod scenes;

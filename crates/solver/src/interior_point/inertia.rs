@@ -59,7 +59,6 @@ impl<P: Problem> InteriorPoint<P> {
         while !self.factorise_shifted(state, shift.value) {
             if !shift.gauss_newton && shift.value >= GN_SHIFT.max(state.forced_shift) {
                 problem.linearise(x, &self.scratch.no_multipliers, &mut self.data);
-                self.fixed.erase(&self.structure, &mut self.data);
                 shift.gauss_newton = true;
                 shift.value = state.forced_shift;
                 continue;
@@ -90,7 +89,6 @@ impl<P: Problem> InteriorPoint<P> {
         for (i, d) in self.scratch.diagonal_x.iter_mut().enumerate() {
             *d = state.vars.sigma(i) + shift;
         }
-        self.fixed.set_diagonal(&mut self.scratch.diagonal_x);
         let diagonals = Diagonals {
             variables: &self.scratch.diagonal_x,
             rows: &self.scratch.diagonal_y,

@@ -210,11 +210,10 @@ impl<P: Problem> InteriorPoint<P> {
         }
     }
 
-    /// Values and derivatives at `x`; those by fixed variables become zero.
+    /// Values and derivatives at `x`.
     fn linearise(&mut self, problem: &mut P, x: &P::Point, multipliers: &[f64]) {
         let clock = Instant::now();
         problem.linearise(x, multipliers, &mut self.data);
-        self.fixed.erase(&self.structure, &mut self.data);
         self.timing.linearise += clock.elapsed();
     }
 }

@@ -56,6 +56,7 @@ impl<P: Problem> InteriorPoint<P> {
             residual_x,
             1.0,
         );
+        self.fixed.erase(residual_x);
         let mut multiplier_sum = 0.0;
         let mut dual = 0.0_f64;
         for (i, r) in residual_x.iter().enumerate() {

@@ -34,7 +34,7 @@ impl Quadratic {
             for (block, a) in element.blocks.iter().zip(&coefficients.jacobians) {
                 for (k, &c) in block.cols.iter().enumerate() {
                     for r in 0..block.n_rows {
-                        rows[first + block.first_row + r].0[element.vars[c]] =
+                        rows[first + block.first_row + r].0[element.vars[c]] +=
                             a[k * block.n_rows + r];
                     }
                 }

@@ -164,6 +164,47 @@ fn equality_programs_of_irregular_elements_match_the_dense_system() {
     }
 }
 
+/// Unknowns that stand twice: next to each other, apart, in rows of all sizes, eliminated and carried.
+const REPEATED: Shape<'static> = &[
+    (
+        &[0, 1, 2, 0, 1, 2, 7],
+        &[(1, &[0, 1, 3, 4]), (1, &[5, 3, 2, 1, 0, 6])],
+    ),
+    (&[2, 3, 4, 3, 2, 7], &[(1, &[0, 4, 1, 2, 3])]),
+    (&[4, 4, 5], &[]),
+    (&[6, 5, 7, 5, 6], &[(2, &[4, 3, 2, 1, 0])]),
+];
+
+#[test]
+fn unknowns_that_stand_twice_match_the_dense_system() {
+    for seed in 0..20 {
+        let mut random = Random(500 + seed);
+        assert_twin(&mut random_program(REPEATED, &mut random, |_, b| (b, b)));
+    }
+    // In a block for the dense kernel.
+    let vars: Vec<usize> = (0..25).chain(10..25).collect();
+    let cols: Vec<usize> = (0..40).collect();
+    let blocks = [(15, cols.as_slice())];
+    let mut random = Random(600);
+    let shape: Shape<'_> = &[(&vars, &blocks), (&[24, 25, 24], &[])];
+    assert_twin(&mut random_program(shape, &mut random, |_, b| (b, b)));
+}
+
+#[test]
+fn fixed_unknowns_that_stand_twice_stay_and_the_others_are_best() {
+    for seed in 0..20 {
+        let mut random = Random(700 + seed);
+        let mut program = random_program(REPEATED, &mut random, |_, b| (b - 0.5, b + 0.5));
+        for fixed in [1, 3, 7] {
+            program.structure.lower[fixed] = 0.1;
+            program.structure.upper[fixed] = 0.1;
+        }
+        let (x, report) = solve(&mut program, 0.5);
+        assert_eq!(report.status, Status::Solved, "seed {seed}");
+        assert_optimal(&program, &x, &report.multipliers);
+    }
+}
+
 #[test]
 fn wide_blocks_match_the_dense_system() {
     // More than 600 Jacobian entries in one block: the dense kernel of the condensation.

@@ -84,10 +84,10 @@ fn floating(motion: &Motion) -> Vec<usize> {
     let mut firsts: Vec<usize> = program
         .nodes
         .iter()
-        .filter_map(|n| n.var)
-        .flat_map(|var| {
+        .filter_map(|n| n.var.as_ref())
+        .flat_map(|vars| {
             let bodies = program.system.floating();
-            bodies.into_iter().map(move |first| var + first)
+            bodies.into_iter().filter_map(|first| vars.get(first))
         })
         .collect();
     firsts.sort_unstable();
