@@ -408,7 +408,6 @@ impl<'a> Ask<'a> {
             let mut trajectory = Trajectory::new(program);
             let structure = trajectory.structure().clone();
             let mut stagnation = Stagnation::default();
-            trajectory.settle(&mut point);
             let report = InteriorPoint::new(&structure).solve(
                 &mut trajectory,
                 &mut point,

@@ -137,7 +137,6 @@ fn solve(program: Program, mut point: Point) -> (Point, Program, Report) {
     };
     let mut trajectory = Trajectory::new(program);
     let structure = trajectory.structure().clone();
-    trajectory.settle(&mut point);
     let report = InteriorPoint::new(&structure).solve(
         &mut trajectory,
         &mut point,

@@ -1,7 +1,8 @@
 //! Where objects stay where they are: on something that stands still, by a patch that sticks.
 //!
-//! Such a pose is no unknown of its own at every node: at the start it is given, later it is one for all nodes. Rows that would
-//! say no more than that are left out, so that what is only there costs little.
+//! In a motion such a pose is no unknown of its own at every node: at the start it is given, later it is one for all nodes. Rows that
+//! would say no more than that are left out, so that what is only there costs little. Keyframes and paths are cheap, and begin where
+//! their rows do not hold yet: there every node has its own, which leads them to solutions more often (benches/runs).
 
 use super::contacts::binds;
 use super::{Builder, Grid, Phase};
@@ -25,15 +26,13 @@ impl Rests {
 }
 
 impl Builder<'_> {
-    /// Finds where objects are at rest.
+    /// Finds where objects are at rest in a motion.
     pub(super) fn rests(&mut self, phases: &[Phase]) {
         let p = &self.program;
         let (n, n_objects) = (p.n_intervals(), self.scene.objects.len());
         let mut rests = vec![vec![None; n + 1]; n_objects];
-        for t in 0..n {
-            if p.grid == Grid::State {
-                break;
-            }
+        let motion = p.grid == Grid::Motion;
+        for t in (0..n).filter(|_| motion) {
             let contacts = || {
                 let all = phases.iter().flat_map(|phase| &phase.state.contacts);
                 all.filter(|c| c.kind.is_patch() && binds(phases, p, **c, t))
