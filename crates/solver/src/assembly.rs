@@ -156,6 +156,33 @@ fn add_to(sums: &mut [f64], values: &[f64]) {
 mod tests {
     use super::*;
 
+    /// The lower triangle of a front of so many rows and eliminated columns, in which something was, after `assemble`.
+    fn assembled(
+        (n, m): (usize, usize),
+        places: &[usize],
+        assemble: impl FnOnce(&mut Assembly<'_>),
+    ) -> Vec<f64> {
+        let (mut panel, mut schur) = (vec![0.5; n * m], vec![0.25; (n - m) * (n - m)]);
+        let mut front = Assembly {
+            panel: &mut panel,
+            schur: &mut schur,
+            n_front: n,
+            n_eliminated: m,
+            of_element: places,
+        };
+        assemble(&mut front);
+        let mut lower = Vec::new();
+        each_below(n, |i, j| lower.push(front.below(j, i)[0]));
+        lower
+    }
+
+    /// Calls `each(i, j)` for all i ≥ j.
+    fn each_below(n: usize, mut each: impl FnMut(usize, usize)) {
+        for j in 0..n {
+            (j..n).for_each(|i| each(i, j));
+        }
+    }
+
     #[test]
     fn neighbours_in_the_front_share_a_run() {
         let run = |local, front, length| Run {
@@ -181,28 +208,13 @@ mod tests {
         ] {
             let k = places.len();
             let matrix: Vec<f64> = (0..k * k).map(|i| 1.0 + i as f64).collect();
-            let assembled = |by_entry: bool| {
-                let mut panel = vec![0.5; n * m];
-                let mut schur = vec![0.25; (n - m) * (n - m)];
-                let mut front = Assembly {
-                    panel: &mut panel,
-                    schur: &mut schur,
-                    n_front: n,
-                    n_eliminated: m,
-                    of_element: &places,
-                };
-                if by_entry {
-                    for j in 0..k {
-                        for i in j..k {
-                            front.add(i, j, matrix[j * k + i]);
-                        }
-                    }
-                } else {
-                    front.add_symmetric(&runs(places), k, &matrix);
-                }
-                (panel, schur)
-            };
-            assert_eq!(assembled(true), assembled(false), "{places:?}");
+            let by_entry = assembled((n, m), &places, |front| {
+                each_below(k, |i, j| front.add(i, j, matrix[j * k + i]));
+            });
+            let in_runs = assembled((n, m), &places, |front| {
+                front.add_symmetric(&runs(places), k, &matrix);
+            });
+            assert_eq!(by_entry, in_runs, "{places:?}");
         }
     }
 
@@ -212,31 +224,16 @@ mod tests {
         for (first, width) in [(0, 9), (1, 2), (2, 5), (5, 3), (0, 4)] {
             let a: Vec<f64> = (0..m * width).map(|i| ((7 * i) % 11) as f64).collect();
             let places: Vec<usize> = (first..first + width).collect();
-            let assembled = |by_entry: bool| {
-                let (mut panel, mut schur) = (vec![0.5; n * n_panel], vec![0.25; 25]);
-                let mut front = Assembly {
-                    panel: &mut panel,
-                    schur: &mut schur,
-                    n_front: n,
-                    n_eliminated: n_panel,
-                    of_element: &places,
-                };
-                if by_entry {
-                    for j in 0..width {
-                        for i in j..width {
-                            let product = (0..m).map(|r| a[i * m + r] * a[j * m + r]).sum();
-                            front.add(i, j, product);
-                        }
-                    }
-                } else {
-                    front.add_gram(runs(places.iter().copied())[0], m, &a);
-                }
-                let lower = (0..n).flat_map(|j| (j..n).map(move |i| (i, j)));
-                lower
-                    .map(|(i, j)| front.below(j, i)[0])
-                    .collect::<Vec<f64>>()
-            };
-            assert_eq!(assembled(true), assembled(false), "{first}, {width}");
+            let by_entry = assembled((n, n_panel), &places, |front| {
+                each_below(width, |i, j| {
+                    let product = (0..m).map(|r| a[i * m + r] * a[j * m + r]).sum();
+                    front.add(i, j, product);
+                });
+            });
+            let at_once = assembled((n, n_panel), &places, |front| {
+                front.add_gram(runs(places.iter().copied())[0], m, &a);
+            });
+            assert_eq!(by_entry, at_once, "{first}, {width}");
         }
     }
 
@@ -251,28 +248,15 @@ mod tests {
         ] {
             let k = places.len();
             let matrix: Vec<f64> = (0..k * k).map(|i| 1.0 + i as f64).collect();
-            let assembled = |begin: bool| {
-                let (mut panel, mut schur) = (vec![9.0; n * m], vec![9.0; (n - m) * (n - m)]);
-                let mut front = Assembly {
-                    panel: &mut panel,
-                    schur: &mut schur,
-                    n_front: n,
-                    n_eliminated: m,
-                    of_element: &places,
-                };
-                let runs = runs(places.iter().copied());
-                if begin {
-                    front.set_symmetric(&runs, k, &matrix);
-                } else {
-                    front.clear();
-                    front.add_symmetric(&runs, k, &matrix);
-                }
-                let lower = (0..n).flat_map(|j| (j..n).map(move |i| (i, j)));
-                lower
-                    .map(|(i, j)| front.below(j, i)[0])
-                    .collect::<Vec<f64>>()
-            };
-            assert_eq!(assembled(true), assembled(false));
+            let runs = runs(places.iter().copied());
+            let begun = assembled((n, m), &places, |front| {
+                front.set_symmetric(&runs, k, &matrix);
+            });
+            let added = assembled((n, m), &places, |front| {
+                front.clear();
+                front.add_symmetric(&runs, k, &matrix);
+            });
+            assert_eq!(begun, added);
         }
     }
 }

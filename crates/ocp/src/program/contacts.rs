@@ -77,7 +77,7 @@ impl Builder<'_> {
                 self.contact_rows(t, t, contact, frame);
             }
             // The last keyframe has no element of its own; its rows sit in the last one.
-            if keyframes && t + 1 == n && here && !self.is_settled(contact, t + 1) {
+            if keyframes && t + 1 == n && here {
                 self.contact_rows(t, t + 1, contact, frame);
             }
             let by_velocity = !keyframes && self.program.settings.sticking == Sticking::Velocity;
