@@ -1,7 +1,7 @@
 //! Edges of boxes: two boxes can be in one another though all corners of both are outside, and then an edge of one goes
 //! through a face of the other.
 
-use super::pairs::{Says, value};
+use super::pairs::{Said, Says};
 use super::{Ball, CollisionModel, Primitive};
 use crate::terms::distance::{Distance, EVENNESS, Obstacle};
 use crate::terms::inverse::Inverse;
@@ -13,6 +13,8 @@ use spatial::Pose;
 pub(super) const POINT: f64 = 0.003;
 /// Distance of neighbouring points [m].
 const STEP: f64 = 0.02;
+/// To which the nearest point of an edge is found [m].
+const RESOLUTION: f64 = 0.002;
 /// Least distance of those that get a say at once [m]: many that are equally near would make an edge look nearer than it is.
 const APART: f64 = 0.04;
 /// By how much a point on an edge is nearer than the corners of an object where it gets a say, if it is inside the other box
@@ -21,33 +23,68 @@ const NEARER: f64 = 0.002;
 /// The most that is demanded of edges of static boxes [m].
 const MOST_OF_EDGES: f64 = 0.005;
 
+/// Edges of a box, drawn in by the radius of its points: axis, half length, and their middle, in its frame.
+fn edges(half: &Vector3<f64>) -> impl Iterator<Item = (usize, f64, Vector3<f64>)> {
+    let reach = half.map(|h| (h - POINT).max(0.0));
+    let sides = [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)];
+    (0..3).flat_map(move |k| {
+        sides.map(|(side_i, side_j)| {
+            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+            let mut middle = Vector3::zeros();
+            middle[i] = side_i * reach[i];
+            middle[j] = side_j * reach[j];
+            (k, reach[k], middle)
+        })
+    })
+}
+
 /// Points on the edges of a box, in its frame, that are in a ball; neighbouring ones are `apart` [m] at most.
 pub(super) fn along_edges(
     half: &Vector3<f64>,
     apart: f64,
     (centre, radius): Ball,
 ) -> Vec<Vector3<f64>> {
-    let reach = half.map(|h| (h - POINT).max(0.0));
     let mut out = Vec::new();
-    for k in 0..3 {
-        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-        let count = (2.0 * reach[k] / apart).ceil().max(1.0);
-        let step = 2.0 * reach[k] / count;
-        for at in 0..=count as usize {
-            let along = at as f64 * step - reach[k];
-            if (along - centre[k]).abs() > radius {
-                continue;
-            }
-            for (side_i, side_j) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
-                let mut point = Vector3::zeros();
-                point[i] = side_i * reach[i];
-                point[j] = side_j * reach[j];
-                point[k] = along;
-                if (point - centre).norm() <= radius {
-                    out.push(point);
-                }
+    for (k, length, middle) in edges(half) {
+        let count = (2.0 * length / apart).ceil().max(1.0);
+        let points = (0..=count as usize).map(|at| {
+            let mut point = middle;
+            point[k] = (2.0 * at as f64 / count - 1.0) * length;
+            point
+        });
+        out.extend(points.filter(|p| (p - centre).norm() <= radius));
+    }
+    out
+}
+
+/// The point of each edge of a box that is nearest to another one, in the frame of the first. The distance along an edge is
+/// convex, inside too, so that a golden section finds it.
+fn nearest_of_edges(
+    half: &Vector3<f64>,
+    distance: impl Fn(&Vector3<f64>) -> f64,
+    below: f64,
+) -> Vec<Vector3<f64>> {
+    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let mut out = Vec::new();
+    for (k, length, mut point) in edges(half) {
+        if distance(&point) - length > below {
+            continue;
+        }
+        let mut at = |along: f64| {
+            point[k] = along;
+            distance(&point)
+        };
+        let (mut from, mut to) = (-length, length);
+        while to - from > RESOLUTION {
+            let inner = golden * (to - from);
+            if at(to - inner) < at(from + inner) {
+                to = from + inner;
+            } else {
+                from = to - inner;
             }
         }
+        point[k] = 0.5 * (from + to);
+        out.push(point);
     }
     out
 }
@@ -66,8 +103,9 @@ pub(super) fn nearest(
     let reach = other.norm() + POINT + EVENNESS + below.max(0.0);
     let near = (to_from_of.inverse().origin(), reach);
     let distance = |p: Vector3<f64>| (to.roughly_nearest(&to_from_of.act(p)) - POINT, p);
-    let points = along_edges(half, STEP, near).into_iter().map(distance);
-    let mut points: Vec<_> = points.filter(|(d, _)| *d < below).collect();
+    let own = nearest_of_edges(half, |p| distance(*p).0, below);
+    let points = own.into_iter().chain(along_edges(half, STEP, near));
+    let mut points: Vec<_> = points.map(distance).filter(|(d, _)| *d < below).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut out: Vec<(f64, Ball)> = Vec::new();
     for (d, p) in points {
@@ -79,8 +117,9 @@ pub(super) fn nearest(
 }
 
 impl CollisionModel {
-    /// Points on the edges of a box of an object that are inside another box though its corners are not as deep, and on those of
-    /// the other box, if it is static, inside it; in the frames of the bodies, in any of the configurations.
+    /// Points on the edges of a box of a body that are inside another box though its corners and balls are not as deep, and on
+    /// those of the other box inside it; in the frames of the bodies, in any of the configurations. Two objects are looked at from
+    /// both sides, so that those of the other one are left out.
     pub(super) fn edges_inside(
         &self,
         (a, own): (usize, &Primitive),
@@ -105,7 +144,7 @@ impl CollisionModel {
             let there = x * a_from_own;
             let found = nearest(&own.obstacle, &other.obstacle, &there, below);
             add(found, a_from_own, &mut of_own);
-            if other.body.is_some() {
+            if other.body.is_some() || !self.parts[a].is_empty() {
                 let there = there.inverse();
                 let found = nearest(&other.obstacle, &own.obstacle, &there, below);
                 add(found, b_from_other, &mut of_other);
@@ -115,10 +154,11 @@ impl CollisionModel {
     }
 }
 
-/// Points on edges of static bodies, in the world, against a box of an object; `demanded` makes what a row says in a
-/// configuration a clearance.
+/// Points on edges of a body, in its frame, against a box of another one; `demanded` makes what a row says in a configuration a
+/// clearance.
 pub(super) fn edge_row(
     (a, own): (usize, &Primitive),
+    of: &Primitive,
     points: &[Ball],
     demanded: &dyn Fn(Says<'_>) -> f64,
 ) -> Inverse<Distance> {
@@ -127,6 +167,7 @@ pub(super) fn edge_row(
         Inverse(Distance::new(balls, obstacle, own.from_body, clearance))
     };
     let free = row(0.0);
-    let clearance = demanded(&|kinematics| value(&free, &kinematics.world_from_joint[a]));
+    let a_from_other = |k: &Kinematics| of.pose_of_joint(k, a).inverse() * of.from_body;
+    let clearance = demanded(&|k| Said::by(&free.0, &a_from_other(k)));
     row(clearance.min(MOST_OF_EDGES))
 }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use super::cover::{cover, parts};
 use super::edges;
-use super::pairs::{At, BLUR, NEAR, Place, Says, value};
+use super::pairs::{At, BLUR, NEAR, Place, Said, Says, value};
 use super::shared::Shared;
 use super::{Ball, CollisionModel, Pair, Part};
 use crate::program::{Grid, Program};
@@ -330,6 +330,13 @@ impl SelfPair {
         value(&row, &from_link(kinematics, self.a, self.b))
     }
 
+    /// The same, and by how much it is less than the distance.
+    fn says(&self, kinematics: &Kinematics) -> Said {
+        let row = self.row_says(kinematics);
+        let less = (self.distance(kinematics) - row).max(0.0);
+        Said { row, less }
+    }
+
     /// Distance that can be demanded of the shapes, `wish` if it leaves the robot room: half of that in the home posture, no more
     /// than at rest.
     fn distance_demanded(&self, wish: f64) -> f64 {
@@ -349,8 +356,7 @@ impl SelfPair {
         if anywhere >= apart {
             return anywhere;
         }
-        let says_less = (self.distance(here) - self.row_says(here)).max(0.0);
-        anywhere.max(apart - says_less)
+        anywhere.max(apart - self.says(here).less)
     }
 
     /// Balls and parts that come near one another in any of the configurations.
@@ -384,7 +390,7 @@ impl SelfPair {
         if balls.is_empty() {
             return None;
         }
-        let clearance = demanded(&|k| self.row_says(k));
+        let clearance = demanded(&|k| self.says(k));
         let shapes = (balls, Obstacle::Parts(parts));
         let row = shared.row((index, None), shapes, Pose::identity(), clearance);
         Some(Arc::new(row))

@@ -97,6 +97,8 @@ pub struct CollisionModel {
     /// Shapes of links.
     parts: Vec<Vec<Part>>,
     primitives: Vec<Primitive>,
+    /// Boxes of links.
+    link_boxes: Vec<Vec<Primitive>>,
     self_pairs: Vec<SelfPair>,
     /// Joints within a few of each joint, up and down its limb.
     neighbours: Vec<Vec<usize>>,
@@ -159,6 +161,7 @@ impl CollisionModel {
             balls,
             parts: link_parts.clone(),
             primitives,
+            link_boxes: link_parts.iter().enumerate().map(boxes_of).collect(),
             self_pairs: vec![],
             neighbours: neighbours(system),
             feet: carries(Role::Foot),
@@ -261,7 +264,7 @@ impl CollisionModel {
                     .iter()
                     .map(|(c, r)| r - primitive.obstacle.nearest(&x.act(*c)))
                     .fold(f64::NEG_INFINITY, f64::max);
-                let crossing = self.own(a).flat_map(|own| {
+                let crossing = self.own(a).chain(&self.link_boxes[a]).flat_map(|own| {
                     let other_from_own = x * own.from_body.inverse();
                     let (own, other) = (&own.obstacle, &primitive.obstacle);
                     let of_own = edges::nearest(own, other, &other_from_own, 0.0);
@@ -374,6 +377,20 @@ fn neighbours(system: &System) -> Vec<Vec<usize>> {
         }
     }
     out
+}
+
+/// The boxes among the parts of a link, as primitives.
+fn boxes_of((joint, parts): (usize, &Vec<Part>)) -> Vec<Primitive> {
+    let primitive = |part: &Part| match part {
+        Part::Box(box_from_link, half) => Some(Primitive {
+            joint: Some(joint),
+            body: None,
+            from_body: *box_from_link,
+            obstacle: Obstacle::Box(*half),
+        }),
+        Part::Ball(..) => None,
+    };
+    parts.iter().filter_map(primitive).collect()
 }
 
 fn primitive(joint: Option<usize>, body: Option<usize>, placed: &PlacedShape) -> Primitive {

@@ -41,8 +41,25 @@ const FROM_START: f64 = 6.0;
 /// Slope of the sigmoid penalties of the paper preset [1/m] (the yardstick's).
 const SIGMOID_SLOPE: f64 = 40.0;
 
-/// What a row says in a configuration [m].
-pub(super) type Says<'a> = &'a dyn Fn(&Kinematics) -> f64;
+/// What a row says in a configuration, and by how much that is less than the distance [m].
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Said {
+    pub row: f64,
+    pub less: f64,
+}
+
+impl Said {
+    /// By a row where a is at `b_from_a`.
+    pub fn by(row: &Distance, b_from_a: &Pose) -> Self {
+        Self {
+            row: value(row, b_from_a),
+            less: row.falls_short(b_from_a),
+        }
+    }
+}
+
+/// What a row says in a configuration.
+pub(super) type Says<'a> = &'a dyn Fn(&Kinematics) -> Said;
 
 /// Where a pair gets rows.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -286,27 +303,28 @@ impl CollisionModel {
                         .min(MOST_CLEARANCE),
                 };
                 let near = (a, index, at.window, at.window_of_edges);
-                self.obstacle_rows(near, &demanded, shared, &mut push);
+                self.obstacle_rows(near, self.own(a), &demanded, shared, &mut push);
             }
         }
     }
 
     /// Rows of a body and what comes near it of a primitive in any of the configurations: corners and balls, and edges that are
     /// inside in any of the second ones; `push` takes the joint that carries the obstacle, and the row.
-    pub(super) fn obstacle_rows(
+    pub(super) fn obstacle_rows<'a>(
         &self,
         (a, index, window, of_edges): (usize, usize, &[&Kinematics], &[&Kinematics]),
+        boxes: impl Iterator<Item = &'a Primitive>,
         demanded: &dyn Fn(Says<'_>) -> f64,
         shared: &mut Shared,
         push: &mut dyn FnMut(Option<usize>, Arc<dyn PoseTerm>),
     ) {
         let primitive = &self.primitives[index];
         let mut balls = self.balls_near(a, primitive, window);
-        for own in self.own(a) {
+        for own in boxes {
             let (of_own, of_other) = self.edges_inside((a, own), primitive, of_edges);
             balls.extend(of_own);
             if !of_other.is_empty() {
-                let row = edge_row((a, own), &of_other, demanded);
+                let row = edge_row((a, own), primitive, &of_other, demanded);
                 push(primitive.joint, Arc::new(row));
             }
         }
@@ -347,7 +365,7 @@ impl CollisionModel {
         let sooner = |x: &Since, y: &Since| x.parts.total_cmp(&y.parts);
         let beside = beside.min_by(sooner);
         let rise = |parts: f64| landing::rise(program, at.node, parts).unwrap_or(RAMP.1 * parts);
-        let there = |node: usize| says(&at.kinematics[node]) + RAMP.0;
+        let there = |node: usize| says(&at.kinematics[node]).row + RAMP.0;
         let mut demanded = match (own, beside) {
             (Some(own), beside) if beside.is_none_or(|b| own.parts <= b.parts) => {
                 there(own.node).min(MOST_AT_CONTACT) + rise(own.parts)
@@ -430,11 +448,11 @@ impl CollisionModel {
     }
 }
 
-/// What the row of a body, covered by `balls`, and a primitive says in a configuration [m].
-fn distance_at((a, balls): (usize, &[Ball]), primitive: &Primitive, at: &Kinematics) -> f64 {
+/// What the row of a body, covered by `balls`, and a primitive says in a configuration.
+fn distance_at((a, balls): (usize, &[Ball]), primitive: &Primitive, at: &Kinematics) -> Said {
     let obstacle = primitive.obstacle.clone();
     let row = Distance::new(balls.to_vec(), obstacle, Pose::identity(), 0.0);
-    value(&row, &primitive.pose_of_joint(at, a))
+    Said::by(&row, &primitive.pose_of_joint(at, a))
 }
 
 /// What a row says [m].

@@ -130,20 +130,21 @@ impl CollisionModel {
             let way = model.difference(&nodes[t], &nodes[t + 1]);
             for crossing in crossings {
                 let share = crossing.share;
-                // What a row says may be less than the distance, but not by more than at a place where few balls are near.
-                let demanded = |says: Says<'_>| {
-                    let ends = kinematics[t..=t + 1].iter().map(says);
-                    ends.fold(CLEARANCE, f64::min)
-                        .max(-crossing.at_nodes - BLUR)
-                };
                 let part: Vec<f64> = way.iter().map(|d| share * d).collect();
                 here.update(model, &model.integrate(&nodes[t], &part));
+                // What a row says may be less than the distance, but not by more than at a place where few balls are near.
+                let demanded = |says: Says<'_>| {
+                    let ends = kinematics[t..=t + 1].iter().map(|end| says(end).row);
+                    ends.fold(CLEARANCE, f64::min)
+                        .max(-crossing.at_nodes - says(&here).less.min(BLUR))
+                };
                 let place = Place::Way { interval: t, share };
                 let window = [&here];
                 for index in 0..self.primitives.len() {
                     if self.primitives[index].is_of(other) {
                         let rows = (a, index, &window[..], &window[..]);
-                        self.obstacle_rows(rows, &demanded, shared, &mut |b, term| {
+                        let boxes = self.own(a).chain(&self.link_boxes[a]);
+                        self.obstacle_rows(rows, boxes, &demanded, shared, &mut |b, term| {
                             out.push(Pair { place, a, b, term });
                         });
                     }

@@ -301,6 +301,17 @@ impl Distance {
         *distance = least - EVENNESS * sum.ln();
     }
 
+    /// By how much the smooth least distance is less than the least one where a is at `b_from_a` [m]; zero far away.
+    pub fn falls_short(&self, b_from_a: &Pose) -> f64 {
+        let x = self.obstacle_from_b * *b_from_a;
+        let smooth = self.found(b_from_a).distance;
+        if smooth.is_finite() {
+            (self.candidates(&x, &mut vec![]) - smooth).max(0.0)
+        } else {
+            0.0
+        }
+    }
+
     /// Nothing kept from the value: finds what matters again.
     fn found(&self, b_from_a: &Pose) -> Nearest {
         let mut nearest = Nearest::new(0);

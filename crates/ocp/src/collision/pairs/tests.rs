@@ -2,6 +2,7 @@ use super::super::samples::{Sequence, scene};
 use super::*;
 use crate::motion::Planner;
 use crate::settings::Settings;
+use nalgebra::{Vector3, Vector6};
 
 /// The node of a pair without crossings.
 fn node(pair: &Pair) -> usize {
@@ -238,15 +239,64 @@ fn a_board_is_seen_where_it_enters_the_side_of_a_box_between_its_corners() {
     moved[system.model.joints[a].idx_q] += 0.06;
     let mut kinematics = Kinematics::new(&system.model);
     kinematics.update(&system.model, &moved);
-    let corners = distance_at((a, &collisions.balls[a]), board, &kinematics);
+    let corners = distance_at((a, &collisions.balls[a]), board, &kinematics).row;
     assert!(corners > 0.02, "all corners are outside: {corners}");
     let own = collisions.own(a).next().unwrap();
     let (_, edges) = collisions.edges_inside((a, own), board, &[&kinematics]);
-    let row = edge_row((a, own), &edges, &|_| 0.0);
+    let row = edge_row((a, own), board, &edges, &|_| 0.0);
     let seen = value(&row, &kinematics.world_from_joint[a]);
     assert!((-0.02..-0.009).contains(&seen), "10 mm inside: {seen}");
     let (depth, ..) = collisions.deepest(&kinematics, &|_, _| false).unwrap();
     assert!((depth - 0.01).abs() < 1e-3, "{depth}");
+}
+
+#[test]
+fn a_wedge_is_seen_where_it_enters_the_edge_of_a_foot_between_its_balls() {
+    let scene = scene("");
+    let planner = Planner::new(&scene).unwrap();
+    let (system, mut collisions) = (&planner.system, planner.collisions.clone());
+    let mut joints = 0..collisions.feet.len();
+    let a = joints.find(|&a| collisions.feet[a]).unwrap();
+    let foot = collisions.link_boxes[a][0].clone();
+    let Obstacle::Box(half) = foot.obstacle else {
+        panic!("a box of a link is a box");
+    };
+    let mut kinematics = Kinematics::new(&system.model);
+    kinematics.update(&system.model, &system.start(&scene));
+    // A centimetre wide, a quarter of the way along the edge, with a face at 45° to both of the foot's, 6 mm in it.
+    let edge = Vector3::new(0.5 * half.x, half.y, half.z);
+    let centre = edge + Vector3::new(0.0, 1.0, 1.0).normalize() * (0.1 - 0.006);
+    let turned = Pose::exp(&Vector6::new(
+        0.0,
+        0.0,
+        0.0,
+        std::f64::consts::FRAC_PI_4,
+        0.0,
+        0.0,
+    ));
+    let foot_from_wedge = Pose::from_translation(centre.x, centre.y, centre.z) * turned;
+    let world_from_foot = kinematics.world_from_joint[a] * foot.from_body.inverse();
+    let wedge = Primitive {
+        joint: None,
+        body: Some(7),
+        from_body: (world_from_foot * foot_from_wedge).inverse(),
+        obstacle: Obstacle::Box(Vector3::new(0.005, 0.1, 0.1)),
+    };
+    let balls = collisions.balls[a].iter();
+    let outside = balls.map(|(c, r)| {
+        let x = wedge.pose_of_joint(&kinematics, a);
+        wedge.obstacle.roughly_nearest(&x.act(*c)) - r
+    });
+    assert!(outside.fold(f64::INFINITY, f64::min) > -0.002);
+    collisions.primitives.push(wedge.clone());
+    let others = |joint: usize, other: Other| (joint, other) != (a, Err(7));
+    let (depth, ..) = collisions.deepest(&kinematics, &others).unwrap();
+    assert!((0.004..0.009).contains(&depth), "{depth}");
+    // The wedge's edges are inside the foot, and a row of them says so, as far as a box with smooth edges does.
+    let (_, of_wedge) = collisions.edges_inside((a, &foot), &wedge, &[&kinematics]);
+    let row = edge_row((a, &foot), &wedge, &of_wedge, &|_| 0.0);
+    let seen = value(&row, &kinematics.world_from_joint[a]);
+    assert!((-0.01..-0.0005).contains(&seen), "{seen}");
 }
 
 #[test]
