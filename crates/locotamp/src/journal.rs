@@ -104,6 +104,9 @@ pub struct Coarse {
     pub promise: f64,
     /// Cost of the motion.
     pub cost: f64,
+    /// The part of it that is the scene's objective, mostly negative.
+    #[serde(default)]
+    pub objective: f64,
     /// Its largest violation (scaled rows).
     pub violation: f64,
     /// Iterations of the optimiser.

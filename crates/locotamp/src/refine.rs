@@ -13,8 +13,9 @@ const MIDDLE: f64 = 3.0;
 /// Longest step of the grid on which a motion must hold to be a plan [s]: with a few long steps per phase a robot may seem to do
 /// what no robot can.
 const HOLDS: f64 = 0.06;
-/// Most iterations for that, and how many a motion gets beyond if it is nearly solved then.
-const HOLDS_ITERATIONS: usize = 150;
+/// Most iterations on a finer grid, and how many a motion gets beyond if it is nearly solved then: those that end well take 20 to 80,
+/// a few up to twice the most.
+const FINER_ITERATIONS: usize = 150;
 const NEARLY_THERE: usize = 100;
 /// How many iterations before that count: violations rise now and then when the barrier falls.
 const RECENT: usize = 10;
@@ -56,18 +57,29 @@ pub(crate) fn hold(
     (coarse, refinement): (&Motion, Refinement),
     watch: &mut dyn FnMut(&Iteration) -> bool,
 ) -> Motion {
-    let most = settings.max_iterations.min(HOLDS_ITERATIONS);
+    let grid = on_which_it_holds(refinement);
+    let mut fine = on_grid(planner, phases, settings, (coarse, grid), watch);
+    fine.iterations += coarse.iterations;
+    fine.seconds += coarse.seconds;
+    fine
+}
+
+/// The same motion on a finer grid, unless it takes too long.
+fn on_grid(
+    planner: &Planner<'_>,
+    phases: &[Phase],
+    settings: &Settings,
+    (coarse, grid): (&Motion, Refinement),
+    watch: &mut dyn FnMut(&Iteration) -> bool,
+) -> Motion {
+    let most = settings.max_iterations.min(FINER_ITERATIONS);
     let settings = Settings {
         max_iterations: most + NEARLY_THERE,
         ..settings.clone()
     };
     let mut goes_on = nearly_there(most);
     let mut watch = |i: &Iteration| watch(i) & goes_on(i.violation);
-    let grid = on_which_it_holds(refinement);
-    let mut fine = planner.refine(phases, &settings, coarse, grid, &mut watch);
-    fine.iterations += coarse.iterations;
-    fine.seconds += coarse.seconds;
-    fine
+    planner.refine(phases, &settings, coarse, grid, &mut watch)
 }
 
 /// Does a motion go on, told its violation after each iteration: beyond `most` if it was nearly solved in one of the last few by
@@ -124,10 +136,10 @@ pub(crate) fn refine(
         !stopped && !late
     };
     let on_the_way = (longest_step(&coarse) > NEARLY * middle.max_step)
-        .then(|| planner.refine(phases, settings, &coarse, middle, &mut watch))
+        .then(|| on_grid(planner, phases, settings, (&coarse, middle), &mut watch))
         .filter(|motion| motion.feasible);
     let from = on_the_way.as_ref().unwrap_or(&coarse);
-    let mut fine = planner.refine(phases, settings, from, refinement, &mut watch);
+    let mut fine = on_grid(planner, phases, settings, (from, refinement), &mut watch);
     if let Some(motion) = &on_the_way {
         fine.iterations += motion.iterations;
         fine.seconds += motion.seconds;

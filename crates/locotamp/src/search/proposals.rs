@@ -61,6 +61,8 @@ pub(super) struct Candidate {
 /// What the motion of a sequence on the coarse grid costs, and what it took.
 pub(super) struct Coarse {
     pub cost: f64,
+    /// The part of it that is the scene's objective.
+    pub objective: f64,
     pub iterations: usize,
     pub work: u64,
     pub seconds: f64,
@@ -68,9 +70,11 @@ pub(super) struct Coarse {
 }
 
 impl Coarse {
-    /// True if a motion on the finer grid at this cost has become another one, mostly a contorted one.
-    pub fn is_left(&self, cost: f64) -> bool {
-        cost - self.cost > CHANGED * self.cost
+    /// True if a motion on the finer grid at this cost, with this part for the scene's objective, has become another one, mostly a
+    /// contorted one.
+    pub fn is_left(&self, cost: f64, objective: f64) -> bool {
+        let (before, now) = (self.cost - self.objective, cost - objective);
+        now - before > CHANGED * before
     }
 }
 
@@ -465,15 +469,20 @@ mod tests {
 
     #[test]
     fn a_motion_that_costs_half_as_much_again_on_the_finer_grid_has_become_another_one() {
-        let coarse = |cost| Coarse {
+        let coarse = |cost, objective| Coarse {
             cost,
+            objective,
             iterations: 0,
             work: 0,
             seconds: 0.0,
             relative: None,
         };
-        for (before, now, left) in [(50.2, 96.6, true), (39.3, 46.8, false)] {
-            assert_eq!(coarse(before).is_left(now), left, "{before}, {now}");
+        for objective in [0.0, -80.0] {
+            for (before, now, left) in [(50.2, 96.6, true), (39.3, 46.8, false)] {
+                let coarse = coarse(before + objective, objective);
+                let is_left = coarse.is_left(now + objective, objective);
+                assert_eq!(is_left, left, "{before}, {now}, {objective}");
+            }
         }
     }
 }

@@ -12,7 +12,6 @@ use crate::api::{Alternative, Attempt, Event, Found, Outcome, Reached, Request};
 use crate::journal::{self, PointEntry, Tried};
 use crate::refine::{self, Refined};
 use ocp::Motion;
-use scene::Objective;
 use symbolic::Sequence;
 
 /// Motions that others may start from.
@@ -91,6 +90,7 @@ impl Run<'_> {
             states: self.names(&candidate.sequence),
             promise: candidate.promise,
             cost: done.cost,
+            objective: done.objective,
             violation: done.violation,
             iterations: done.iterations,
             work: done.work,
@@ -99,6 +99,7 @@ impl Run<'_> {
         });
         candidate.coarse = Some(Coarse {
             cost: done.cost,
+            objective: done.objective,
             iterations: done.iterations,
             work: done.work,
             seconds: done.seconds,
@@ -151,10 +152,8 @@ impl Run<'_> {
         };
         if done.feasible {
             self.found += 1;
-            // A reward in the costs would have to be taken out first.
-            let compares = self.shop.planner.scene.objective == Objective::Time;
-            let left = coarse.is_some_and(|coarse| coarse.is_left(done.cost));
-            self.found_unchanged |= !(compares && left);
+            let left = coarse.is_some_and(|coarse| coarse.is_left(done.cost, done.objective));
+            self.found_unchanged |= !left;
             self.failures.succeeded(&sequence.states);
         } else if let Some(phase) = done.worst_phase {
             (self.failures).failed(number, &sequence.states, phase, done.violation);

@@ -104,6 +104,7 @@ mod tests {
             feasible: false,
             must_hold: false,
             cost: 0.0,
+            objective: 0.0,
             violation: 1.0,
             iterations: 1,
             work,

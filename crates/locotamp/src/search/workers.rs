@@ -40,6 +40,8 @@ pub(super) struct Evaluated {
     /// It is a motion on the coarse grid that must hold on a finer one to be a plan.
     pub must_hold: bool,
     pub cost: f64,
+    /// The part of it that is the scene's objective, mostly negative.
+    pub objective: f64,
     pub violation: f64,
     pub iterations: usize,
     /// Elements of the problem, summed over the iterations.
@@ -63,6 +65,7 @@ impl Evaluated {
             feasible: false,
             must_hold: true,
             cost: known.cost,
+            objective: known.objective,
             violation: known.violation,
             iterations: known.iterations,
             work: known.work,
@@ -82,6 +85,7 @@ impl Evaluated {
             feasible: false,
             must_hold: false,
             cost: known.cost.unwrap_or(f64::INFINITY),
+            objective: 0.0,
             violation: known.violation.unwrap_or(f64::INFINITY),
             iterations: known.iterations,
             work: known.work,
@@ -191,14 +195,14 @@ impl Drop for Alarm {
 const PATIENCE: usize = 50;
 const DEAREST: f64 = 4.0;
 
-/// Largest cost of a motion on the finer grid that is worth more iterations, where the coarse one costs `cost` with this `reward` in
-/// it: only what is done for it counts.
-fn most_cost(cost: f64, reward: f64) -> f64 {
-    reward + DEAREST * (cost - reward)
+/// Largest cost of a motion on the finer grid that is worth more iterations, where the coarse one costs `cost` with this part for
+/// the scene's objective: only what is done for it counts.
+fn most_cost(cost: f64, objective: f64) -> f64 {
+    objective + DEAREST * (cost - objective)
 }
 
 /// The part of a motion's cost that is the scene's objective at its end, mostly negative.
-fn reward(motion: &mut Motion) -> f64 {
+fn objective(motion: &mut Motion) -> f64 {
     let last = motion.trajectory.program.n_intervals() - 1;
     let terms = motion.trajectory.cost_terms(&motion.point, last);
     terms.of(CostTerm::Goal)
@@ -247,7 +251,7 @@ impl Shop<'_> {
             }
             Start::Coarse(point, cost) => {
                 let mut coarse = planner.restore(phases, settings, point);
-                let most = most_cost(cost, reward(&mut coarse));
+                let most = most_cost(cost, objective(&mut coarse));
                 let mut watch =
                     |i: &Iteration| watch(i) && (i.number < PATIENCE || i.objective <= most);
                 let grid = self.holds.unwrap_or_default();
@@ -292,6 +296,7 @@ impl Shop<'_> {
             feasible: motion.feasible,
             must_hold: false,
             cost: motion.report.objective,
+            objective: objective(motion),
             violation: motion.report.violation,
             iterations: motion.iterations,
             work: 0,
@@ -311,10 +316,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_motion_that_takes_five_times_as_much_is_given_up_whatever_its_reward() {
-        for reward in [0.0, -45.0] {
-            let most = most_cost(5.0 + reward, reward);
-            assert!(15.0 + reward <= most && 25.0 + reward > most);
+    fn a_motion_that_takes_five_times_as_much_is_given_up_whatever_it_reaches() {
+        for objective in [0.0, -45.0] {
+            let most = most_cost(5.0 + objective, objective);
+            assert!(15.0 + objective <= most && 25.0 + objective > most);
         }
     }
 }
