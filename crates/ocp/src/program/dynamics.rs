@@ -14,11 +14,16 @@ impl Builder<'_> {
         }
         let p = &mut self.program;
         let share = p.settings.margins.torque;
-        for joint in &p.system.model.joints {
+        let idle: Vec<usize> = (p.intervals[t].idle.iter())
+            .map(|&o| p.system.object_joint(o))
+            .collect();
+        for (j, joint) in p.system.model.joints.iter().enumerate() {
             let free = joint.kind == JointKind::FreeFlyer;
             for k in 0..joint.kind.nv() {
                 let i = joint.idx_v + k;
-                let bound = if free {
+                let bound = if idle.contains(&j) {
+                    f64::INFINITY
+                } else if free {
                     0.0
                 } else if p.settings.torque_limits && joint.torque_limit.is_finite() {
                     share

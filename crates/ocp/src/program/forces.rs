@@ -118,8 +118,20 @@ impl Builder<'_> {
             p.structure.n_vars += n;
             let most = self.most_load(t, contact, share, phases).min(max_force);
             let least = self.least_load(contact, most);
+            let known = match a.owner {
+                Owner::Object(o) if self.program.intervals[t].idle.contains(&o) => {
+                    Some(self.weight(o, contact))
+                }
+                _ => None,
+            };
             let p = &mut self.program;
             for i in 0..n {
+                if let Some(wrench) = known {
+                    let known = wrench[i] / if i < 3 { force } else { moment };
+                    p.structure.lower.push(known);
+                    p.structure.upper.push(known);
+                    continue;
+                }
                 let normal = i == 2 && patch;
                 let limit = if (frictionless && i < 2) || (turns_freely && i == 5) {
                     0.0
@@ -137,7 +149,7 @@ impl Builder<'_> {
             let slot = p.nodes[t].slot(frame);
             let element = &mut p.structure.elements[t];
             let mut rows = Vec::new();
-            for term in terms {
+            for term in terms.into_iter().filter(|_| known.is_none()) {
                 let bounds = term.bounds();
                 let (first_row, block, n_rows) =
                     (element.n_rows(), element.blocks.len(), bounds.len());
@@ -175,6 +187,7 @@ impl Builder<'_> {
                 scale,
                 reference,
                 weights,
+                known: known.is_some(),
                 on_robot,
                 rows,
             });

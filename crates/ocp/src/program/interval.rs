@@ -112,6 +112,8 @@ pub struct Force {
     pub reference: [f64; 6],
     /// Weights of the squares of what differs from it.
     pub weights: [f64; 6],
+    /// True if it is given.
+    pub known: bool,
     /// Its part in the robot's momentum rows.
     pub on_robot: Option<OnRobot>,
     /// Rows.
@@ -177,6 +179,8 @@ pub struct Interval {
     pub slips: Vec<Slip>,
     /// Configurations on the way to the next node.
     pub passages: Vec<Passage>,
+    /// Objects that only what they stand on touches, in a known way.
+    pub idle: Vec<usize>,
     /// Wrenches.
     pub forces: Vec<Force>,
 }

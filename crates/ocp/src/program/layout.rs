@@ -161,6 +161,9 @@ impl Builder<'_> {
         let nodes: Vec<usize> = nodes.flatten().collect();
         let ElementStructure { vars, blocks, .. } = &mut p.structure.elements[t];
         for (block, rows) in p.system.motion_blocks().enumerate().skip(1) {
+            if i.idle.contains(&(block - 1)) {
+                continue;
+            }
             let own = nodes
                 .iter()
                 .flat_map(|&first| first + rows.start..first + rows.end);
@@ -191,6 +194,9 @@ impl Builder<'_> {
             let Some(same) = next.forces.iter().find(same) else {
                 continue;
             };
+            if force.known && same.known {
+                continue;
+            }
             for k in 0..force.n {
                 here.changes.push((force.first + k, vars.len()));
                 vars.push(next.wrench_var + same.first + k);

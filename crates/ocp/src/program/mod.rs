@@ -15,6 +15,7 @@ mod costs;
 mod dynamics;
 mod forces;
 mod goal;
+mod idle;
 pub(crate) mod integrator;
 mod interval;
 mod label;
@@ -197,6 +198,7 @@ impl Program {
         builder.scales(phases);
         builder.intervals();
         builder.rests(phases);
+        builder.idle(phases);
         builder.variables();
         builder.around_landings(phases);
         builder.costs();

@@ -8,7 +8,7 @@ use spatial::Pose;
 use std::path::Path;
 
 /// Scene, phases and options of a sequence file.
-fn sequence(name: &str) -> (Scene, Vec<Phase>, Settings) {
+pub fn sequence(name: &str) -> (Scene, Vec<Phase>, Settings) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/sequences");
     let file = SequenceFile::load(folder.join(name)).expect("a sequence of the repository");
     let mut scene = file.load_scene().expect("its scene");
