@@ -5,11 +5,11 @@
 
 use super::{Builder, Phase};
 use nalgebra::Vector3;
-use scene::Owner;
+use scene::{Interface, Owner};
 use symbolic::{Contact, ContactType};
 
-/// Largest sine between a surface and the horizontal that counts as level.
-const LEVEL: f64 = 1e-9;
+/// Largest angle between a surface and the horizontal that counts as level [rad]: an error of so much of the weight.
+const LEVEL: f64 = 1e-7;
 
 impl Builder<'_> {
     /// Finds such objects in every interval, once it is known where they rest.
@@ -37,26 +37,28 @@ impl Builder<'_> {
         stays
             && owner(contact.a) == own
             && contact.kind == ContactType::UnilateralPatch
-            && self.is_level(contact, t)
+            && self.is_level(object, contact, t)
             && self.ramp(t, contact, phases) >= 1.0
             && self.is_borne(object, contact)
     }
 
-    /// True if what bears a contact is at rest since the start and level.
-    fn is_level(&self, contact: Contact, t: usize) -> bool {
-        let b = &self.scene.interfaces[contact.b.0];
+    /// True if what bears an object is at rest since the start and level, and the object on it: at the start it may be tilted by what
+    /// scenes are forgiven, later rows have seen to it.
+    fn is_level(&self, object: usize, contact: Contact, t: usize) -> bool {
+        let p = &self.program;
+        let from_start = |o: usize| p.rests.since(o, t) == Some(0);
+        let [a, b] = [contact.a, contact.b].map(|i| &self.scene.interfaces[i.0]);
         let still = match b.owner {
             Owner::Static(_) => true,
-            Owner::Object(o) => self.program.rests.since(o, t) == Some(0),
+            Owner::Object(o) => from_start(o),
             Owner::Robot { .. } => false,
         };
-        let placed = self
-            .program
-            .system
-            .world_from_interface(b, &self.start)
-            .rotate(Vector3::z());
         let up = -self.scene.gravity.normalize();
-        still && placed.dot(&up) > 0.0 && placed.cross(&up).norm() < LEVEL
+        let faces = |i: &Interface, direction: Vector3<f64>| {
+            let placed = p.system.world_from_interface(i, &self.start);
+            (placed.rotate(Vector3::z()) - direction).norm() < LEVEL
+        };
+        still && faces(b, up) && (!from_start(object) || faces(a, -up))
     }
 
     /// True if a level surface can bear the object as the rows of its wrench demand.

@@ -1,7 +1,7 @@
 //! What bears an object that nothing else touches is known.
 
 use crate::keyframes::sequence;
-use nalgebra::Vector3;
+use nalgebra::{Vector3, Vector6};
 use ocp::collision::Clearances;
 use ocp::{Grid, Phase, Planner, Program, Settings};
 use scene::Scene;
@@ -35,7 +35,11 @@ fn program(scene: &Scene, phases: &[Phase], settings: &Settings) -> Program {
 #[test]
 fn only_where_nothing_else_touches_an_object_on_a_level_table() {
     assert_eq!(idle(|_| ()), (0..8).collect::<Vec<_>>());
-    let never: [fn(&mut Scene); 4] = [
+    let never: [fn(&mut Scene); 5] = [
+        |scene| {
+            let tilt = spatial::Pose::exp(&Vector6::new(0.0, 0.0, 0.0, 1e-4, 0.0, 0.0));
+            scene.objects[0].world_from_start = scene.objects[0].world_from_start * tilt;
+        },
         |scene| scene.gravity = Vector3::new(0.1, 0.0, -9.8),
         |scene| {
             let i = bottom(scene);
