@@ -6,6 +6,7 @@ use ocp::collision::Clearances;
 use ocp::{Grid, Phase, Planner, Program, Settings};
 use scene::Scene;
 use solver::Problem;
+use std::collections::BTreeSet;
 
 /// Intervals in which the object of "lift-box" is known to bear nothing but its weight: reach, squeeze and lift have eight each.
 fn idle(change: impl Fn(&mut Scene)) -> Vec<usize> {
@@ -20,7 +21,7 @@ fn idle(change: impl Fn(&mut Scene)) -> Vec<usize> {
 fn program(scene: &Scene, phases: &[Phase], settings: &Settings) -> Program {
     let planner = Planner::new(scene).expect("a model");
     let (system, collisions) = (&planner.system, &planner.collisions);
-    let near = Clearances::Watched(&Default::default());
+    let near = Clearances::Watched(&BTreeSet::new());
     Program::new(
         scene,
         system,
