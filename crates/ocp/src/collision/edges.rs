@@ -20,7 +20,7 @@ const APART: f64 = 0.04;
 /// By how much a point on an edge is nearer than the corners of an object where it gets a say, if it is inside the other box
 /// [m]: edges that go through faces are rare, and rows for all that come near cost iterations.
 const NEARER: f64 = 0.002;
-/// The most that is demanded of edges of static boxes [m].
+/// The most that is demanded of edges of the other box [m].
 const MOST_OF_EDGES: f64 = 0.005;
 
 /// Edges of a box, drawn in by the radius of its points: axis, half length, and their middle, in its frame.
