@@ -20,9 +20,54 @@ pub fn size(geom: &Geom) -> [f64; 3] {
     }
 }
 
+/// Group of the geoms that collide, by custom (MuJoCo Menagerie).
+const COLLISION_GROUP: i32 = 3;
+
+/// Which geoms collide.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Colliding {
+    /// Those with a contact type or affinity.
+    ByType,
+    /// Those of the custom's group: none of the robot has either, as where contacts are given pair by pair.
+    ByGroup,
+}
+
+impl Colliding {
+    /// Of a robot with given bodies.
+    pub fn of(model: &Model, bodies: &[usize]) -> Self {
+        let mut geoms = bodies.iter().flat_map(|&b| &model.bodies[b].body.geoms);
+        let is_marked = |geom: &Geom| geom.group == COLLISION_GROUP;
+        if !geoms.clone().any(has_type) && geoms.any(is_marked) {
+            Self::ByGroup
+        } else {
+            Self::ByType
+        }
+    }
+
+    /// What a user should know.
+    pub fn note(self) -> Option<String> {
+        (self == Self::ByGroup).then(|| {
+            format!(
+                "no geom has a contype or conaffinity: those of group {COLLISION_GROUP} are taken as what collides"
+            )
+        })
+    }
+
+    fn has(self, geom: &Geom) -> bool {
+        match self {
+            Self::ByType => has_type(geom),
+            Self::ByGroup => geom.group == COLLISION_GROUP,
+        }
+    }
+}
+
+fn has_type(geom: &Geom) -> bool {
+    geom.contype != 0 || geom.conaffinity != 0
+}
+
 /// The elements of a geom, and what cannot be given.
-pub fn elements(model: &Model, geom: &Geom) -> Result<String, String> {
-    let collides = geom.contype != 0 || geom.conaffinity != 0;
+pub fn elements(model: &Model, geom: &Geom, colliding: Colliding) -> Result<String, String> {
+    let collides = colliding.has(geom);
     let frame = body_from_geom(geom);
     let tag = if collides { "collision" } else { "visual" };
     if !collides && geom.type_ != GeomType::Mesh {

@@ -5,7 +5,7 @@ use crate::inertia;
 use crate::limits::{Limit, Limits};
 use crate::pose::{pose, shift, turn, vector};
 use crate::robot::{Robot, is_hinge_or_slide};
-use crate::shapes;
+use crate::shapes::{self, Colliding};
 use mjcf_rs::Model;
 use mjcf_rs::body::{Body, Joint, JointType};
 use multibody::rpy_from_rotation;
@@ -24,13 +24,15 @@ pub fn write(
     notes: &mut Vec<String>,
 ) -> Result<String, MjcfError> {
     let name = model.name.as_deref().unwrap_or("robot");
+    let bodies = robot.bodies();
+    let colliding = Colliding::of(model, &bodies);
     let mut writer = Writer {
         text: format!("<robot name={}>\n", quoted(name)),
         limits,
         left_out: vec![],
         names: robot.names.iter().cloned().collect(),
+        colliding,
     };
-    let bodies = robot.bodies();
     for &body in &bodies {
         writer.body(model, robot, body)?;
     }
@@ -43,6 +45,7 @@ pub fn write(
     text += "</robot>\n";
     notes.extend(limits.notes());
     notes.extend(left_out);
+    notes.extend(colliding.note());
     notes.extend(cannot_say(model, &bodies));
     Ok(text)
 }
@@ -76,6 +79,7 @@ fn cannot_say(model: &Model, bodies: &[usize]) -> Vec<String> {
 struct Writer {
     text: String,
     limits: Limits,
+    colliding: Colliding,
     /// Geoms that cannot be given, as sentences.
     left_out: Vec<String>,
     /// Names of links.
@@ -115,7 +119,7 @@ impl Writer {
             self.inertial(&inertia);
         }
         for geom in &body.geoms {
-            match shapes::elements(model, geom) {
+            match shapes::elements(model, geom, self.colliding) {
                 Ok(elements) => self.text += &elements,
                 Err(what) => self
                     .left_out

@@ -137,6 +137,27 @@ fn meshes_are_named_from_the_folder_of_the_file() {
 }
 
 #[test]
+fn where_no_geom_has_a_contact_type_those_of_the_group_for_collisions_collide() {
+    let text = |foot: &str| {
+        format!(
+            r#"<mujoco><worldbody><geom type="plane" size="1 1 1"/><body name="a"><freejoint/>
+            <inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
+            <body name="b"><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/><joint name="j"/>
+            <geom type="sphere" size="0.5" contype="0" conaffinity="0"/>
+            <geom type="box" size="0.1 0.05 0.01" contype="0" conaffinity="0" group="3"/>{foot}
+            </body></body></worldbody></mujoco>"#
+        )
+    };
+    let told = |converted: &Converted| converted.notes.join("\n").contains("those of group 3");
+    let by_group = convert(&text("")).expect("a robot");
+    assert!(by_group.urdf.contains(r#"<box size="0.2 0.1 0.02"/>"#));
+    assert!(!by_group.urdf.contains("sphere") && told(&by_group));
+    let by_type = convert(&text(r#"<geom type="sphere" size="0.3"/>"#)).expect("a robot");
+    assert!(by_type.urdf.contains(r#"<sphere radius="0.3"/>"#));
+    assert!(!by_type.urdf.contains("<box") && !told(&by_type));
+}
+
+#[test]
 fn files_that_are_no_robot_say_what_is_wrong() {
     let body = |inside: &str| {
         format!(

@@ -1,7 +1,7 @@
 //! The tightest box or capsule around the corners of a mesh.
 //!
-//! Frames: `link`, that of the points; `shape`, centred in what is fitted. Candidates are boxes and capsules along the link's axes
-//! and along the principal axes of the points; the least volume wins. It contains all points; no side is optimal.
+//! Frames: `link`, that of the points; `shape`, centred in what is fitted. Candidates are boxes and capsules along given axes, those
+//! of a sole or a palm or else the link's, and along the principal axes of the points; the least volume wins. It contains all points; no side is optimal.
 
 use crate::{PlacedShape, Shape};
 use nalgebra::{Matrix3, Vector2, Vector3};
@@ -13,20 +13,20 @@ const THINNEST: f64 = 0.005;
 /// Shapes are larger than what they hold by this much on every side, so that rounding in a text lets nothing out [m].
 pub(crate) const ROUNDING: f64 = 2e-6;
 
-/// The link's axes are kept unless other axes need less than this share of the volume: soles stay level.
+/// The given axes are kept unless other axes need less than this share of the volume: soles stay level.
 const WORTH_TURNING: f64 = 0.95;
 
 /// Steps towards the centre of the smallest circle around points: its radius is then a few per cent too large at most.
 const CIRCLE_STEPS: u32 = 30;
 
-/// The box or capsule of least volume that was found around points, at least one, in their frame.
-pub(crate) fn enclose(points: &[Vector3<f64>]) -> PlacedShape {
-    let along_link = tightest(points, &Matrix3::identity());
+/// The box or capsule of least volume that was found around points, at least one, in their frame; along given axes (columns) or others.
+pub(crate) fn enclose(points: &[Vector3<f64>], link_from_axes: &Matrix3<f64>) -> PlacedShape {
+    let as_given = tightest(points, link_from_axes);
     let turned = tightest(points, &principal_axes(points));
-    if volume(&turned.shape) < WORTH_TURNING * volume(&along_link.shape) {
+    if volume(&turned.shape) < WORTH_TURNING * volume(&as_given.shape) {
         turned
     } else {
-        along_link
+        as_given
     }
 }
 
@@ -203,7 +203,7 @@ mod tests {
     #[test]
     fn the_corners_of_a_turned_box_give_that_box() {
         let half = [0.2, 0.05, 0.1];
-        let fitted = enclose(&corners(&turned(), half));
+        let fitted = enclose(&corners(&turned(), half), &Matrix3::identity());
         let Shape::Box { half_size } = &fitted.shape else {
             panic!("{fitted:?}");
         };
@@ -218,8 +218,35 @@ mod tests {
     #[test]
     fn a_box_along_the_axes_of_the_link_stays_there() {
         let place = Pose::from_parts(Matrix3::identity(), Vector3::new(0.0, 0.1, 0.2));
-        let fitted = enclose(&corners(&place, [0.1, 0.06, 0.08]));
+        let fitted = enclose(&corners(&place, [0.1, 0.06, 0.08]), &Matrix3::identity());
         assert_eq!(*fitted.body_from_shape.rotation(), Matrix3::identity());
+    }
+
+    #[test]
+    fn a_boot_on_a_tilted_sole_gets_a_box_that_ends_at_the_sole() {
+        // Wedges on a sole, of which the principal axes are others than the sole's.
+        let sole = exp_so3(&Vector3::new(0.0, 0.25, 0.0));
+        let boot = [
+            (0.1, 0.0),
+            (-0.1, 0.0),
+            (0.08, 0.03),
+            (0.0, 0.12),
+            (-0.1, 0.12),
+        ];
+        let points: Vec<_> = (boot.iter())
+            .flat_map(|&(x, z)| [-0.04, 0.04].map(|y| sole * Vector3::new(x, y, z)))
+            .collect();
+        let lowest = |axes: &Matrix3<f64>| {
+            let fitted = enclose(&points, axes);
+            let Shape::Box { half_size } = fitted.shape else {
+                panic!("{fitted:?}");
+            };
+            let down = |p: &Vector3<f64>| -(sole.transpose() * fitted.body_from_shape.act(*p)).z;
+            let corners = corners(&Pose::identity(), half_size.into());
+            corners.iter().map(down).fold(f64::NEG_INFINITY, f64::max)
+        };
+        assert!(lowest(&sole) < 1e-5, "{}", lowest(&sole));
+        assert!(lowest(&Matrix3::identity()) > 0.01);
     }
 
     #[test]
@@ -231,7 +258,7 @@ mod tests {
         let Shape::Capsule {
             radius,
             half_length,
-        } = enclose(&points).shape
+        } = enclose(&points, &Matrix3::identity()).shape
         else {
             panic!("no capsule");
         };
@@ -248,7 +275,7 @@ mod tests {
                 .map(|i| Vector3::new(number(3 * i), number(3 * i + 1), number(3 * i + 2)))
                 .map(|p| p.component_mul(&size))
                 .collect();
-            let fitted = enclose(&points);
+            let fitted = enclose(&points, &Matrix3::identity());
             assert!(points.iter().all(|p| contains(&fitted, p)), "seed {seed}");
         }
     }
@@ -259,7 +286,7 @@ mod tests {
             .map(|(x, y)| Vector3::new(x, y, 0.0))
             .into();
         for points in [&plane[..], &plane[..2], &plane[..1]] {
-            let fitted = enclose(points);
+            let fitted = enclose(points, &Matrix3::identity());
             assert!(volume(&fitted.shape) > 0.0 && volume(&fitted.shape).is_finite());
             assert!(points.iter().all(|p| contains(&fitted, p)));
         }

@@ -13,7 +13,7 @@ use crate::split::{Triangle, fit};
 use crate::urdf_text::{Edits, child, children, vector};
 use crate::{Interface, Owner, PlacedShape, Robot, Shape};
 use multibody::{rotation_from_rpy, rpy_from_rotation};
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use roxmltree::{Document, Node};
 use spatial::Pose;
 use std::ops::Range;
@@ -47,9 +47,12 @@ struct Missing {
     broken: Vec<String>,
 }
 
-/// The text of a URDF with boxes and capsules instead of the meshes that links collide with, as far as their files are found. A text
-/// that cannot be read is left as it is.
-pub(crate) fn with_fitted_shapes(urdf: &str, folders: &MeshFolders) -> MeshShapes {
+/// Axes (columns, in the link's frame) along which shapes of a link are to be, by its name.
+pub(crate) type Axes = (String, Matrix3<f64>);
+
+/// The text of a URDF with boxes and capsules instead of the meshes that links collide with, as far as their files are found; along
+/// `axes` of a link if it has any, so that a sole stays flat. A text that cannot be read is left as it is.
+pub(crate) fn with_fitted_shapes(urdf: &str, folders: &MeshFolders, axes: &[Axes]) -> MeshShapes {
     let mut edits = Edits::default();
     let mut missing = Missing::default();
     let mut fitted_links = 0;
@@ -57,7 +60,7 @@ pub(crate) fn with_fitted_shapes(urdf: &str, folders: &MeshFolders) -> MeshShape
     let mut discs = 0;
     if let Ok(document) = Document::parse(urdf) {
         for link in children(document.root_element(), "link") {
-            let mut parts = read_parts(link, folders, &mut missing);
+            let mut parts = read_parts(link, (folders, axes), &mut missing);
             drop_contained(&mut parts);
             fitted_links += usize::from(!parts.is_empty());
             for part in parts {
@@ -119,7 +122,14 @@ impl Missing {
 }
 
 /// The meshes of a link that collide, with what was fitted around each.
-fn read_parts(link: Node, folders: &MeshFolders, missing: &mut Missing) -> Vec<Part> {
+fn read_parts(
+    link: Node,
+    (folders, axes): (&MeshFolders, &[Axes]),
+    missing: &mut Missing,
+) -> Vec<Part> {
+    let named = |(of, _): &&Axes| link.attribute("name") == Some(of);
+    let link_from_axes =
+        (axes.iter().find(named)).map_or_else(Matrix3::identity, |(_, axes)| *axes);
     let geometry =
         |node: Node, tag: &str| child(node, "geometry").is_some_and(|g| child(g, tag).is_some());
     let spheres = children(link, "collision").all(|node| geometry(node, "sphere"));
@@ -137,7 +147,7 @@ fn read_parts(link: Node, folders: &MeshFolders, missing: &mut Missing) -> Vec<P
         match triangles {
             Ok(triangles) => parts.push(Part {
                 element: node.has_tag_name("collision").then(|| node.range()),
-                shapes: fit(&triangles),
+                shapes: fit(&triangles, &link_from_axes),
                 triangles,
             }),
             Err(what) => {

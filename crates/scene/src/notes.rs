@@ -1,7 +1,7 @@
 //! What a user should know of a scene that is no error.
 
 use crate::fit::contains;
-use crate::{Interface, Owner, Role, Scene};
+use crate::{Interface, Owner, Role, Scene, Shape};
 use multibody::{Centroidal, Joint, JointKind, Kinematics};
 use nalgebra::{Vector2, Vector3};
 use spatial::Inertia;
@@ -10,6 +10,8 @@ use spatial::Inertia;
 const LEAST: f64 = 1e-3;
 /// How deep inside its own link a hand or foot must be to be told, and how deep one is looked for [mm].
 const SUNK: (u32, u32) = (10, 300);
+/// How far from a patch its own link is looked at for what sticks out beyond the patch's plane [m]: about as far as a finger.
+const AROUND: f64 = 0.15;
 /// Lever of the robot's weight beyond whose torque no motor of a humanoid gets [m]: the G1's give 0.43 m, the H1's 0.6 m.
 const LONGEST_LEVER: f64 = 1.0;
 /// Share by which the inertia about an axis may exceed that about the other two: what rounding does to a rod's.
@@ -29,6 +31,16 @@ impl Scene {
                 notes.push(format!(
                     "interface {:?} is {deep} mm inside the shapes of its own link: what it touches will be that deep in the link; \
                      move its pose outwards by as much, along its normal",
+                    interface.name
+                ));
+                continue;
+            }
+            let out = 1e3 * self.beyond_own_plane(interface);
+            if out > f64::from(SUNK.0) {
+                notes.push(format!(
+                    "shapes of its own link stick out {out:.0} mm beyond the plane of interface {:?}: they will be that deep in what it \
+                     touches, and in the way when it lets go; move its pose outwards by as much, along its normal, or give the link shapes \
+                     that end there",
                     interface.name
                 ));
             }
@@ -130,6 +142,31 @@ impl Scene {
         (0..SUNK.1).find(|&at| !is_inside(at)).unwrap_or(SUNK.1)
     }
 
+    /// How far shapes of its own link, near a patch of the robot, reach beyond the patch's plane [m]; 0 for anything else.
+    fn beyond_own_plane(&self, interface: &Interface) -> f64 {
+        let (Owner::Robot { frame }, Some(_)) = (interface.owner, interface.half_size) else {
+            return 0.0;
+        };
+        let frames = &self.robot.model.frames;
+        let joint_from_interface = frames[frame].joint_from_frame * interface.body_from_interface;
+        let mut most = 0.0_f64;
+        for (of_link, shapes) in frames.iter().zip(&self.robot.shapes) {
+            if of_link.joint != frames[frame].joint {
+                continue;
+            }
+            for placed in shapes {
+                let link = joint_from_interface.inverse() * of_link.joint_from_frame;
+                for (point, radius) in tips(&placed.shape) {
+                    let p = (link * placed.body_from_shape).act(point);
+                    if p.xy().norm() <= AROUND {
+                        most = most.max(p.z + radius);
+                    }
+                }
+            }
+        }
+        most
+    }
+
     /// Horizontal distance of the robot's centre of mass from the soles that bear it at the start, negative inside [m]; `None`
     /// if something else bears it too, or gravity is not along −z.
     fn beyond_soles(&self) -> Option<f64> {
@@ -159,6 +196,25 @@ impl Scene {
     }
 }
 
+/// Points of a shape, with the radius of what is round about them [m], one of which is farthest out in any direction.
+fn tips(shape: &Shape) -> Vec<(Vector3<f64>, f64)> {
+    match shape {
+        Shape::Box { half_size } => {
+            let sign = |code: usize, k: usize| if code >> k & 1 == 0 { -1.0 } else { 1.0 };
+            let corner = |code| Vector3::from_fn(|k, _| sign(code, k) * half_size[k]);
+            (0..8).map(|code| (corner(code), 0.0)).collect()
+        }
+        Shape::Sphere { radius } => vec![(Vector3::zeros(), *radius)],
+        Shape::Capsule {
+            radius,
+            half_length,
+        } => [-half_length, *half_length]
+            .map(|z| (Vector3::new(0.0, 0.0, z), *radius))
+            .into(),
+        Shape::HalfSpace => vec![],
+    }
+}
+
 /// Distance of a point from the convex hull of others; negative inside, as far as the nearest edge.
 fn outside(corners: &[Vector2<f64>], point: Vector2<f64>) -> f64 {
     // A point is as far outside as it is beyond the farthest of the corners in some direction.
@@ -175,6 +231,8 @@ fn outside(corners: &[Vector2<f64>], point: Vector2<f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::PlacedShape;
+    use spatial::Pose;
 
     #[test]
     fn a_point_is_outside_a_square_by_its_distance_from_the_edge_or_the_corner() {
@@ -201,6 +259,27 @@ mod tests {
         assert!(notes.len() == 1, "{notes:?}");
         assert!(notes[0].contains("\"shin\" is"), "{notes:?}");
         assert_eq!(hand(-0.5), Vec::<String>::new());
+    }
+
+    #[test]
+    fn fingers_beyond_the_plane_of_a_palm_are_told() {
+        let mut scene = Scene::builtin("pick-place").unwrap();
+        assert_eq!(scene.notes(), Vec::<String>::new());
+        let hand = &scene.interfaces[2];
+        let Owner::Robot { frame } = hand.owner else {
+            panic!("{hand:?}");
+        };
+        // A ball beside the palm, and one so far away that it is no part of a hand.
+        let finger = |x: f64| PlacedShape {
+            body_from_shape: hand.body_from_interface * Pose::from_translation(x, 0.0, 0.02),
+            shape: Shape::Sphere { radius: 0.01 },
+        };
+        let (near, far) = (finger(0.1), finger(0.3));
+        let told = format!("30 mm beyond the plane of interface {:?}", hand.name);
+        scene.robot.shapes[frame].push(far);
+        assert_eq!(scene.notes(), Vec::<String>::new());
+        scene.robot.shapes[frame].push(near);
+        assert!(scene.notes()[0].contains(&told), "{:?}", scene.notes());
     }
 
     #[test]

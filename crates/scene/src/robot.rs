@@ -4,7 +4,7 @@ use crate::builtin;
 use crate::file::RobotInterfaceEntry;
 use crate::interfaces::{Friction, robot_interface};
 use crate::mesh_path::MeshFolders;
-use crate::mesh_shapes::with_fitted_shapes;
+use crate::mesh_shapes::{Axes, with_fitted_shapes};
 use crate::nearest::{list, nearest};
 use crate::parse::parse;
 use crate::source::{At, Place, Source};
@@ -13,7 +13,7 @@ use crate::torque_speed::{TorqueSpeedEntry, set_torque_speed};
 use crate::velocity_limits::with_velocity_limits;
 use crate::{Fault, Interface, PlacedShape, Robot, SceneError, Shape};
 use multibody::{Joint, JointKind, Model, Root};
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -106,7 +106,11 @@ pub(crate) fn load(
     } = &texts.description;
     let urdf = &with_tiny_masses(urdf);
     let mut model = read(urdf)?;
-    let fitted = with_fitted_shapes(urdf, &mesh_folders(&texts, &base_dir.join(name), meshes)?);
+    let fitted = with_fitted_shapes(
+        urdf,
+        &mesh_folders(&texts, &base_dir.join(name), meshes)?,
+        &axes_of_patches(&texts),
+    );
     if fitted.urdf != *urdf {
         model = read(&fitted.urdf)?;
     }
@@ -135,6 +139,23 @@ pub(crate) fn load(
         bare: texts.file.is_none(),
         unread: fitted.unread,
     })
+}
+
+/// Axes of the links that the robot file gives a patch.
+fn axes_of_patches(texts: &Texts) -> Vec<Axes> {
+    let entries = texts.file.iter().flat_map(|(_, file)| &file.interface);
+    let patches = entries.filter(|entry| entry.half_size.is_some());
+    patches
+        .map(|entry| {
+            let [_, _, _, x, y, z, w] = *entry.pose;
+            let rotation = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
+            let axes = *rotation.to_rotation_matrix().matrix();
+            // A quaternion of zeros is an error that is told where interfaces are read.
+            let is_one = axes.iter().all(|x| x.is_finite());
+            let axes = if is_one { axes } else { Matrix3::identity() };
+            ((*entry.link).clone(), axes)
+        })
+        .collect()
 }
 
 /// Where the meshes of a robot may be: in the folder that the scene names, then that of its own file.

@@ -2,7 +2,8 @@
 //!
 //! Links more than two joints apart keep out of one another, shape by shape: what robots are described by overlaps where links are
 //! joined, which is no collision. Shapes that overlap in the home posture and with all joints at zero are left alone; those that
-//! overlap in the home posture only may do so as deep as there, no deeper. Of a capsule that is joined its elements are looked at, the
+//! overlap in the home posture only may do so as deep as there, no deeper. Those that all but touch at rest three joints apart, as in
+//! a hip, may overlap by less than shapes stick out of meshes. Of a capsule that is joined its elements are looked at, the
 //! cylinder and the balls at its ends, as they are written in URDFs.
 
 use std::sync::Arc;
@@ -29,6 +30,11 @@ const NEAR_LIMBS: f64 = 0.35;
 const CLOSE: f64 = 0.015;
 /// Distance of neighbouring points on an edge [m].
 const EDGE_STEP: f64 = 0.04;
+/// Shapes of links three joints apart that are nearer than this at rest may overlap by [`PLAY`]: boxes around the meshes of a hip touch
+/// however the leg moves [m].
+const ALL_BUT_TOUCH: f64 = 0.005;
+/// By how much they may [m].
+const PLAY: f64 = 0.004;
 /// By how much less than at rest is demanded of two links [m].
 const AT_REST: f64 = 0.0005;
 
@@ -92,6 +98,8 @@ pub(super) struct SelfPair {
     row_at_rest: f64,
     /// Distance from which on they get a row [m].
     near: f64,
+    /// Are the links three joints apart.
+    beside: bool,
 }
 
 /// Postures that tell which links can come near one another: home, start, all joints at zero.
@@ -197,7 +205,13 @@ pub(super) fn self_pairs(
                 (b, a)
             };
             for (own, parts) in groups(&postures, (a, &shapes[a]), (b, &shapes[b])) {
-                out.push(SelfPair::new(&postures, (a, own), (b, parts), near));
+                let beside = up_a + up_b == 3;
+                out.push(SelfPair::new(
+                    &postures,
+                    (a, own),
+                    (b, parts),
+                    (near, beside),
+                ));
             }
         }
     }
@@ -262,7 +276,7 @@ impl SelfPair {
         postures: &Postures,
         (a, own): (usize, LinkShape),
         (b, parts): (usize, Vec<Part>),
-        near: f64,
+        (near, beside): (f64, bool),
     ) -> Self {
         let mut out = Self {
             a,
@@ -274,6 +288,7 @@ impl SelfPair {
             at_rest: f64::NAN,
             row_at_rest: f64::NAN,
             near,
+            beside,
         };
         out.rest(postures);
         if out.at_rest < CLOSE {
@@ -340,6 +355,9 @@ impl SelfPair {
     /// Distance that can be demanded of the shapes, `wish` if it leaves the robot room: half of that in the home posture, no more
     /// than at rest.
     fn distance_demanded(&self, wish: f64) -> f64 {
+        if self.beside && self.at_rest < ALL_BUT_TOUCH {
+            return wish.min(self.at_rest.min(0.0) - PLAY);
+        }
         let half = 0.5 * (self.at_home - BLUR).max(0.0);
         wish.min(half).min(self.at_rest - AT_REST)
     }

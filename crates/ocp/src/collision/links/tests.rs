@@ -4,9 +4,17 @@ use super::*;
 /// Joints of the G1, more than two apart.
 const HAND: &str = "left_wrist_yaw_joint";
 const THIGH: &str = "right_hip_roll_joint";
+/// Three joints apart.
+const FOREARM: &str = "left_elbow_joint";
+const SHOULDER: &str = "left_shoulder_pitch_joint";
 
-/// The G1 with two links' shapes alone, placed in the world in the home posture; the first link is the hand.
+/// The G1 with two links' shapes alone, placed in the world in the home posture.
 fn pairs_of(hand: &[(Pose, Shape)], thigh: &[(Pose, Shape)]) -> Vec<SelfPair> {
+    pairs_of_links((HAND, hand), (THIGH, thigh))
+}
+
+/// The same of any two links.
+fn pairs_of_links(one: (&str, &[(Pose, Shape)]), other: (&str, &[(Pose, Shape)])) -> Vec<SelfPair> {
     let scene = scene("");
     let system = System::new(&scene).unwrap();
     let postures = Postures::new(&scene, &system);
@@ -15,7 +23,7 @@ fn pairs_of(hand: &[(Pose, Shape)], thigh: &[(Pose, Shape)]) -> Vec<SelfPair> {
         joints.position(|j| j.name == name).unwrap()
     };
     let mut shapes = vec![vec![]; system.model.joints.len()];
-    for (name, placed) in [(HAND, hand), (THIGH, thigh)] {
+    for (name, placed) in [one, other] {
         let joint_from_world = postures.0[0].world_from_joint[joint(name)].inverse();
         for (world_from_shape, shape) in placed {
             shapes[joint(name)].push(LinkShape::new(
@@ -101,6 +109,19 @@ fn links_that_overlap_at_home_alone_may_stay_as_deep_and_get_no_deeper() {
             "{allowed}"
         );
     }
+}
+
+#[test]
+fn links_that_all_but_touch_three_joints_apart_may_overlap_a_little() {
+    let demanded = |other: &str, gap: f64| {
+        let own = [(at(0.0, 0.0, 1.0), ball(0.05))];
+        let of_other = [(at(0.1 + gap, 0.0, 1.0), ball(0.05))];
+        let pairs = pairs_of_links((FOREARM, &own), (other, &of_other));
+        pairs[0].clearance(0.015)
+    };
+    assert!((demanded(SHOULDER, 0.002) + PLAY).abs() < 1e-9);
+    assert!(demanded(SHOULDER, 0.01) > 0.0);
+    assert!(demanded(THIGH, 0.002) >= 0.0);
 }
 
 #[test]
