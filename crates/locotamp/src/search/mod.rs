@@ -9,6 +9,7 @@
 mod diverse;
 mod failures;
 mod more_steps;
+mod order;
 mod proposals;
 mod results;
 mod reward;

@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::more_steps::Promise;
+use super::order::{self, May, Waiting};
 use super::results::name;
 use super::workers::{Evaluated, Job, Start, with_steps};
 use super::{FIRST, Run, reward};
@@ -24,8 +25,6 @@ const DRAWS_TO_CHOOSE: usize = 1;
 /// Iterations after which a sequence is given up once there is a plan and the best of many is sought: motions that take more cost
 /// nearly twice as much as others where they are found at all (benches/runs/2026-11-26-best-of-many.md).
 const PATIENCE: usize = 100;
-/// Sequences tried on the coarse grid before the first is tried on a finer one, which takes three times as long.
-const CHOICE: usize = 2;
 /// Work that a draw counts as ([`super::turns`]): about what is done in the same time on one motion.
 const DRAWING: u64 = 2000;
 /// What a phase adds to the cost that keyframes promise: its time, at about half a second.
@@ -136,34 +135,25 @@ impl Run<'_> {
         true
     }
 
-    /// Which of the sequences that wait is the most promising: the one whose motion on the coarse grid is likely to cost least, since
-    /// postures at the edge of reach cost a lot, and make the optimiser's work hard.
-    ///
-    /// If that has its motion, it is tried on a finer grid; but not before there are some to choose from, unless no other waits. A
-    /// motion is expected to cost as much more than its keyframes promise as half of the others did, and begun only if so many
-    /// sequences have been drawn that there is a choice. While the best of many is sought, one plan is enough.
+    /// Which of the sequences that wait has its turn. A motion is expected to cost as much more than its keyframes promise as half of
+    /// the others did. While the best of many is sought, one plan is enough.
     fn next(&self, has_choice: bool) -> Option<usize> {
         let growth = self.usual_growth();
-        let cost = |n: usize| {
-            let (candidate, _) = &self.waiting[n];
+        let waits = |(candidate, _): &(Candidate, Work)| {
             let known = candidate.coarse.as_ref().map(|coarse| coarse.cost);
-            known.unwrap_or(candidate.promise + growth)
-        };
-        // Equal ones in the order in which they came.
-        let least = |has_motion: bool| {
-            (0..self.waiting.len())
-                .filter(|&n| self.waiting[n].0.coarse.is_some() == has_motion)
-                .min_by(|&a, &b| cost(a).total_cmp(&cost(b)))
-        };
-        let begun = least(false).filter(|_| !self.is_full());
-        let held = least(true).filter(|_| !self.chooses());
-        match (held, begun) {
-            (Some(hold), Some(begin)) if self.moved >= CHOICE && cost(hold) <= cost(begin) => {
-                Some(hold)
+            Waiting {
+                has_motion: known.is_some(),
+                cost: known.unwrap_or(candidate.promise + growth),
             }
-            (_, Some(begin)) => Some(begin).filter(|_| has_choice),
-            (hold, None) => hold.filter(|_| has_choice),
-        }
+        };
+        let waiting: Vec<_> = self.waiting.iter().map(waits).collect();
+        let may = May {
+            move_one: !self.is_full(),
+            hold_one: !self.chooses(),
+            choose: has_choice,
+            moved: self.moved,
+        };
+        order::next(&waiting, may)
     }
 
     /// True if as many motions have been begun as the search may optimise.

@@ -1,0 +1,117 @@
+//! Which of the sequences that wait has its turn.
+
+/// Sequences tried on the coarse grid before the first is tried on a finer one, which takes three times as long.
+const CHOICE: usize = 2;
+/// Motions on the coarse grid that wait for a finer one, from which on the cheapest is tried whatever others promise: of long sequences
+/// there are always some that promise less than they cost.
+const MOST_WAITING: usize = 3;
+
+/// A sequence that waits for its turn.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Waiting {
+    /// True if it has its motion on the coarse grid, and waits for the finer one.
+    pub has_motion: bool,
+    /// What that costs, or is likely to cost.
+    pub cost: f64,
+}
+
+/// What may be begun.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct May {
+    /// Motions on the coarse grid.
+    pub move_one: bool,
+    /// Motions on the finer grid.
+    pub hold_one: bool,
+    /// So many sequences have been drawn that there is a choice.
+    pub choose: bool,
+    /// Sequences that have been tried on the coarse grid.
+    pub moved: usize,
+}
+
+/// The most promising one: whose motion on the coarse grid is likely to cost least, since postures at the edge of reach cost a lot,
+/// and make the optimiser's work hard; of equal ones the first.
+///
+/// If that has its motion, it is tried on the finer grid; but not before there are some to choose from, unless no other waits. If many
+/// have theirs, the cheapest of them is tried. Others are begun only if so many sequences have been drawn that there is a choice.
+pub(super) fn next(waiting: &[Waiting], may: May) -> Option<usize> {
+    let cost = |n: usize| waiting[n].cost;
+    let least = |has_motion: bool| {
+        (0..waiting.len())
+            .filter(|&n| waiting[n].has_motion == has_motion)
+            .min_by(|&a, &b| cost(a).total_cmp(&cost(b)))
+    };
+    let begun = least(false).filter(|_| may.move_one);
+    let held = least(true).filter(|_| may.hold_one);
+    let are_many = waiting.iter().filter(|w| w.has_motion).count() >= MOST_WAITING;
+    match (held, begun) {
+        (Some(hold), Some(begin))
+            if are_many || (may.moved >= CHOICE && cost(hold) <= cost(begin)) =>
+        {
+            Some(hold)
+        }
+        (_, Some(begin)) => Some(begin).filter(|_| may.choose),
+        (hold, None) => hold.filter(|_| may.choose),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MAY: May = May {
+        move_one: true,
+        hold_one: true,
+        choose: true,
+        moved: CHOICE,
+    };
+
+    /// Sequences with motions at these costs, then others.
+    fn waiting(with: &[f64], without: &[f64]) -> Vec<Waiting> {
+        let all = |costs: &[f64], has_motion: bool| {
+            let one = |&cost: &f64| Waiting { has_motion, cost };
+            costs.iter().map(one).collect::<Vec<_>>()
+        };
+        [all(with, true), all(without, false)].concat()
+    }
+
+    #[test]
+    fn the_cheapest_motion_is_tried_on_the_finer_grid_unless_others_promise_less() {
+        assert_eq!(next(&waiting(&[5.0, 4.0], &[6.0]), MAY), Some(1));
+        assert_eq!(next(&waiting(&[5.0, 4.0], &[6.0, 3.0]), MAY), Some(3));
+    }
+
+    #[test]
+    fn if_many_have_a_motion_the_cheapest_is_tried_whatever_others_promise() {
+        assert_eq!(next(&waiting(&[5.0, 4.0, 6.0], &[3.0]), MAY), Some(1));
+    }
+
+    #[test]
+    fn nothing_is_held_before_there_is_something_to_choose_from_unless_nothing_else_waits() {
+        let few = May { moved: 1, ..MAY };
+        assert_eq!(next(&waiting(&[4.0], &[6.0]), few), Some(1));
+        assert_eq!(next(&waiting(&[4.0], &[]), few), Some(0));
+        let undrawn = May {
+            choose: false,
+            ..few
+        };
+        assert_eq!(next(&waiting(&[4.0], &[6.0]), undrawn), None);
+        assert_eq!(next(&waiting(&[4.0], &[]), undrawn), None);
+    }
+
+    #[test]
+    fn what_may_not_be_begun_is_not() {
+        let (full, choosing) = (
+            May {
+                move_one: false,
+                ..MAY
+            },
+            May {
+                hold_one: false,
+                ..MAY
+            },
+        );
+        assert_eq!(next(&waiting(&[4.0], &[3.0]), full), Some(0));
+        assert_eq!(next(&waiting(&[4.0], &[5.0]), choosing), Some(1));
+        assert_eq!(next(&[], MAY), None);
+    }
+}
