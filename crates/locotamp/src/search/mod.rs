@@ -1,7 +1,8 @@
 //! The plan search: a policy proposes contact sequences, states, transitions and keyframes filter them, the trajectory
 //! optimiser judges, and the policy learns what they were worth.
 //!
-//! A sequence is tried on the coarse grid first, and if that costs less than what others promise, on the grid on which it must hold.
+//! A sequence is tried on the coarse grid first, and if that costs less than what others promise, or enough others have
+//! their motions too, on the grid on which it must hold.
 //! Up to [`IN_FLIGHT`] sequences are optimised at once, two at first, and those to choose the next from are drawn meanwhile. Results
 //! are taken in the order of the work that was done on them ([`turns`]), so that a motion that is hard to find holds up nothing and
 //! the run is the same however many threads there are and however long they take.
