@@ -11,9 +11,9 @@ use crate::source::{At, Place, Source};
 use crate::tiny_masses::with_tiny_masses;
 use crate::torque_speed::{TorqueSpeedEntry, set_torque_speed};
 use crate::velocity_limits::with_velocity_limits;
-use crate::{Fault, Interface, PlacedShape, Robot, SceneError, Shape};
+use crate::{Fault, Interface, Owner, PlacedShape, Robot, SceneError, Shape};
 use multibody::{Joint, JointKind, Model, Root};
-use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+use nalgebra::Vector3;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -106,10 +106,14 @@ pub(crate) fn load(
     } = &texts.description;
     let urdf = &with_tiny_masses(urdf);
     let mut model = read(urdf)?;
+    let mut interfaces = Vec::new();
+    if let Some((source, file)) = &texts.file {
+        interfaces = robot_interfaces(source, &model, &file.interface, friction)?;
+    }
     let fitted = with_fitted_shapes(
         urdf,
         &mesh_folders(&texts, &base_dir.join(name), meshes)?,
-        &axes_of_patches(&texts),
+        &axes_of_patches(&model, &interfaces),
     );
     if fitted.urdf != *urdf {
         model = read(&fitted.urdf)?;
@@ -118,13 +122,11 @@ pub(crate) fn load(
     model.notes.extend(fitted.notes);
     model.gravity = gravity;
     let mut home = within_limits(&model, home);
-    let mut interfaces = Vec::new();
     let mut robot_name = model.name.clone();
     if let Some((source, file)) = &texts.file {
         robot_name.clone_from(&file.name);
         set_joints(source, &model, &file.home, &mut home)?;
         set_torque_speed(source, &mut model, &file.torque_speed)?;
-        interfaces = robot_interfaces(source, &model, &file.interface, friction)?;
     }
     let shapes = collision_shapes(&mut model);
     Ok(LoadedRobot {
@@ -141,21 +143,17 @@ pub(crate) fn load(
     })
 }
 
-/// Axes of the links that the robot file gives a patch.
-fn axes_of_patches(texts: &Texts) -> Vec<Axes> {
-    let entries = texts.file.iter().flat_map(|(_, file)| &file.interface);
-    let patches = entries.filter(|entry| entry.half_size.is_some());
-    patches
-        .map(|entry| {
-            let [_, _, _, x, y, z, w] = *entry.pose;
-            let rotation = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
-            let axes = *rotation.to_rotation_matrix().matrix();
-            // A quaternion of zeros is an error that is told where interfaces are read.
-            let is_one = axes.iter().all(|x| x.is_finite());
-            let axes = if is_one { axes } else { Matrix3::identity() };
-            ((*entry.link).clone(), axes)
-        })
-        .collect()
+/// Axes of the links that carry patches.
+fn axes_of_patches(model: &Model, interfaces: &[Interface]) -> Vec<Axes> {
+    let axes = |interface: &Interface| {
+        let Owner::Robot { frame } = interface.owner else {
+            return None;
+        };
+        interface.half_size?;
+        let rotation = *interface.body_from_interface.rotation();
+        Some((model.frames[frame].name.clone(), rotation))
+    };
+    interfaces.iter().filter_map(axes).collect()
 }
 
 /// Where the meshes of a robot may be: in the folder that the scene names, then that of its own file.

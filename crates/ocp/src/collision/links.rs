@@ -356,7 +356,7 @@ impl SelfPair {
     /// than at rest.
     fn distance_demanded(&self, wish: f64) -> f64 {
         if self.beside && self.at_rest < ALL_BUT_TOUCH {
-            return wish.min(self.at_rest.min(0.0) - PLAY);
+            return wish.min(-PLAY).min(self.at_rest - AT_REST);
         }
         let half = 0.5 * (self.at_home - BLUR).max(0.0);
         wish.min(half).min(self.at_rest - AT_REST)

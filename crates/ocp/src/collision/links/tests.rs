@@ -114,12 +114,16 @@ fn links_that_overlap_at_home_alone_may_stay_as_deep_and_get_no_deeper() {
 #[test]
 fn links_that_all_but_touch_three_joints_apart_may_overlap_a_little() {
     let demanded = |other: &str, gap: f64| {
-        let own = [(at(0.0, 0.0, 1.0), ball(0.05))];
-        let of_other = [(at(0.1 + gap, 0.0, 1.0), ball(0.05))];
+        // So far out that they are nowhere near one another with all joints at zero.
+        let own = [(at(2.0, 0.0, 1.0), ball(0.05))];
+        let of_other = [(at(2.1 + gap, 0.0, 1.0), ball(0.05))];
         let pairs = pairs_of_links((FOREARM, &own), (other, &of_other));
         pairs[0].clearance(0.015)
     };
-    assert!((demanded(SHOULDER, 0.002) + PLAY).abs() < 1e-9);
+    for gap in [0.002, -0.002] {
+        assert!((demanded(SHOULDER, gap) + PLAY).abs() < 1e-9);
+    }
+    assert!((demanded(SHOULDER, -0.01) + 0.01 + AT_REST).abs() < 1e-9);
     assert!(demanded(SHOULDER, 0.01) > 0.0);
     assert!(demanded(THIGH, 0.002) >= 0.0);
 }
