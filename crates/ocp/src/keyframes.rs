@@ -21,7 +21,7 @@ use crate::resistance::{Pull, Worst, pulls, violations, worst_row};
 use crate::settings::{Preset, Settings};
 use crate::stagnation::Stagnation;
 use crate::state_guess;
-use solver::{InteriorPoint, Options, Problem, Report};
+use solver::{Convexification, InteriorPoint, Options, Problem, Report};
 use symbolic::ContactState;
 
 /// Rounds of solving with more collision pairs.
@@ -472,6 +472,7 @@ impl<'a> Ask<'a> {
             dual_tolerance: optimality,
             complementarity_tolerance: optimality,
             min_barrier: 1e-6,
+            convexification: Convexification::Shift,
             keeps_filter: true, // without it a beginning of `climb/carry` ends in a local minimum
             ..manner
         }

@@ -10,7 +10,7 @@ use crate::problem::Trajectory;
 use crate::program::{Grid, Phase, Program};
 use crate::resistance::violations;
 use crate::settings::Settings;
-use solver::{InteriorPoint, Options, Problem, Report};
+use solver::{Convexification, InteriorPoint, Options, Problem, Report};
 use std::collections::BTreeSet;
 
 /// Configurations per phase.
@@ -133,6 +133,7 @@ fn solve(program: Program, mut point: Point) -> (Point, Program, Report) {
         dual_tolerance: 1e-1,
         complementarity_tolerance: 1e-1,
         min_barrier: 1e-5,
+        convexification: Convexification::Shift,
         ..Options::default()
     };
     let mut trajectory = Trajectory::new(program);

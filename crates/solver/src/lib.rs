@@ -29,7 +29,7 @@ mod wide_rows;
 
 pub use interior_point::InteriorPoint;
 pub use kkt::{Diagonals, Kkt};
-pub use options::{Enough, Norm, Options};
+pub use options::{Convexification, Enough, Norm, Options};
 pub use problem::{
     BlockStructure, Contradiction, ElementData, ElementStructure, Problem, Structure,
 };

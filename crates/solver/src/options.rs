@@ -33,12 +33,27 @@ pub struct Options {
     pub keeps_filter: bool,
     /// Norm of the residuals c − s that the filter compares.
     pub norm: Norm,
+    /// What changes where the Newton system has the wrong inertia.
+    pub convexification: Convexification,
     /// Wall time limit [s].
     pub time_limit: f64,
     /// Stop when this many iterations made short steps and hardly lowered the least violation; 0: never.
     pub stall_iterations: usize,
     /// Stop ([`crate::Status::Enough`]) at a point that is so near to a solution; `None`: go on to the solution.
     pub enough: Option<Enough>,
+}
+
+/// What changes where the Newton system has the wrong inertia, until it has the right one.
+///
+/// A shift of the diagonal that makes up for the negative curvature of some rows holds back everything else too. Long motions
+/// take about a quarter fewer iterations with less curvature instead; configurations gain nothing, and more of them end
+/// without being found (`benches/runs/2026-11-26-curvature.md`).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Convexification {
+    /// The rows' curvature is halved again and again, with a small shift that doubles.
+    Curvature,
+    /// The diagonal is shifted more and more; where it takes much the rows' curvature is dropped.
+    Shift,
 }
 
 /// How residuals of many rows make one number θ.
@@ -92,6 +107,7 @@ impl Default for Options {
             tightening: 0.25,
             keeps_filter: false,
             norm: Norm::Sum,
+            convexification: Convexification::Curvature,
             time_limit: f64::INFINITY,
             stall_iterations: 15,
             enough: None,

@@ -38,7 +38,9 @@ pub struct Iteration {
     pub barrier: f64,
     /// Primal step length of the step that led here.
     pub step: f64,
-    /// Diagonal shift of that step.
+    /// Share of the rows' curvature in the system of that step.
+    pub curvature: f64,
+    /// Its diagonal shift.
     pub shift: f64,
     /// Trial points of the line search.
     pub trials: usize,

@@ -1,49 +1,103 @@
-//! Factorisation with the least diagonal shift that gives the Newton system the right inertia.
+//! Factorisation of a Newton system that is changed until it has the right inertia.
 //!
-//! Source: Wächter and Biegler 2006, section 3.1. **Departs:** instead of large shifts the curvature of the rows is
-//! dropped (Gauss–Newton).
+//! The Hessian is ∇²f + κ Σ yᵢ ∇²cᵢ + δ 1: with all of the rows' curvature (κ = 1) Newton's, without any (κ = 0) that of Gauss
+//! and Newton.
+//!
+//! Source: Wächter and Biegler 2006, section 3.1, for the test of the inertia and the shift δ. **Departs:** by
+//! [`Convexification`].
 
 use std::time::Instant;
 
 use super::InteriorPoint;
 use super::state::State;
-use crate::Problem;
 use crate::kkt::Diagonals;
+use crate::{Convexification, ElementData, Problem};
 
 /// Largest shift.
 const MAX_SHIFT: f64 = 1e12;
+
+/// [`Convexification::Curvature`]: shift of the first level, and the factor from one level to the next. Without a shift, steps
+/// near a solution go far along what the rows' curvature had held.
+const LEVEL_SHIFT: f64 = 0.01;
+const LEVEL_GROWTH: f64 = 2.0;
+/// Last level that has curvature of the rows.
+const LAST_CURVED: i32 = 6;
+
+/// [`Convexification::Shift`]: the first shift, and the one from which on the curvature of the rows is dropped instead.
 const FIRST_SHIFT: f64 = 1e-4;
-/// Shift from which on the curvature of the rows is dropped instead.
 const GN_SHIFT: f64 = 1.0;
 
 /// How the system was made positive definite.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Shift {
-    /// δ_w.
-    pub value: f64,
-    /// True if the curvature of the rows was dropped.
-    gauss_newton: bool,
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Inertia {
+    /// κ.
+    pub curvature: f64,
+    /// δ.
+    pub shift: f64,
+    /// How often the curvature was halved.
+    level: i32,
 }
 
-impl Shift {
-    /// As the iteration log shows it: below −1 without the curvature of the rows.
-    pub fn reported(self) -> f64 {
-        if self.gauss_newton {
-            -1.0 - self.value
-        } else {
-            self.value
+impl Inertia {
+    /// Newton's system with this shift.
+    pub fn newton(shift: f64) -> Self {
+        Self {
+            curvature: 1.0,
+            shift,
+            level: 0,
+        }
+    }
+
+    /// What to try when this was not enough; `last` is what the last system needed that needed anything, `forced` the least
+    /// shift.
+    fn next(self, how: Convexification, last: Self, forced: f64) -> Self {
+        match how {
+            Convexification::Curvature => {
+                let level = if self.level == 0 {
+                    (last.level - 1).max(1)
+                } else {
+                    self.level + 1
+                };
+                let shift = LEVEL_SHIFT * LEVEL_GROWTH.powi(level - 1);
+                Self {
+                    curvature: if level > LAST_CURVED {
+                        0.0
+                    } else {
+                        0.5_f64.powi(level)
+                    },
+                    shift: shift.max(forced),
+                    level,
+                }
+            }
+            Convexification::Shift => {
+                if self.curvature > 0.0 && self.shift >= GN_SHIFT.max(forced) {
+                    return Self {
+                        curvature: 0.0,
+                        shift: forced,
+                        ..self
+                    };
+                }
+                let shift = if self.shift > 0.0 {
+                    self.shift * if last.shift == 0.0 { 100.0 } else { 8.0 }
+                } else if last.shift > 0.0 {
+                    (last.shift / 3.0).max(1e-9)
+                } else {
+                    FIRST_SHIFT
+                };
+                Self { shift, ..self }
+            }
         }
     }
 }
 
 impl<P: Problem> InteriorPoint<P> {
-    /// Factorises the Newton system at the current point; `None` if no shift helps.
+    /// Factorises the Newton system at the current point; `None` if nothing helps.
     pub(super) fn factorise(
         &mut self,
         problem: &mut P,
         x: &P::Point,
         state: &mut State,
-    ) -> Option<Shift> {
+    ) -> Option<Inertia> {
         let clock = Instant::now();
         for (i, d) in self.scratch.diagonal_y.iter_mut().enumerate() {
             *d = if state.equality[i] {
@@ -52,36 +106,45 @@ impl<P: Problem> InteriorPoint<P> {
                 1.0 / state.slack_sigma(i)
             };
         }
-        let mut shift = Shift {
-            value: state.forced_shift,
-            gauss_newton: false,
-        };
-        while !self.factorise_shifted(state, shift.value) {
-            if !shift.gauss_newton && shift.value >= GN_SHIFT.max(state.forced_shift) {
-                problem.linearise(x, &self.scratch.no_multipliers, &mut self.data);
-                shift.gauss_newton = true;
-                shift.value = state.forced_shift;
-                continue;
-            }
-            shift.value = if shift.value > 0.0 {
-                shift.value * if state.last_shift == 0.0 { 100.0 } else { 8.0 }
-            } else if state.last_shift > 0.0 {
-                (state.last_shift / 3.0).max(1e-9)
-            } else {
-                FIRST_SHIFT
-            };
-            if shift.value > MAX_SHIFT {
-                break;
-            }
+        let how = state.options.convexification;
+        let mut inertia = Inertia::newton(state.forced_shift);
+        while !self.factorise_shifted(state, inertia.shift) && inertia.shift <= MAX_SHIFT {
+            let next = inertia.next(how, state.last_inertia, state.forced_shift);
+            self.bend(problem, x, inertia.curvature, next.curvature);
+            inertia = next;
         }
         self.timing.factorise += clock.elapsed();
-        if shift.value > MAX_SHIFT {
-            return None;
+        match how {
+            Convexification::Curvature => state.last_inertia = inertia,
+            Convexification::Shift if inertia.shift > 0.0 => state.last_inertia = inertia,
+            Convexification::Shift => {}
         }
-        if shift.value > 0.0 {
-            state.last_shift = shift.value;
+        (inertia.shift <= MAX_SHIFT).then_some(inertia)
+    }
+
+    /// Turns Hessians with the share `from` of the rows' curvature into those with the share `to`: they lie on the line through
+    /// those that have all of it, which are kept, and those that have none.
+    fn bend(&mut self, problem: &mut P, x: &P::Point, from: f64, to: f64) {
+        if from == to {
+            return;
         }
-        Some(shift)
+        let mut from = from;
+        if from == 1.0 {
+            for (newton, data) in self.newton_hessians.iter_mut().zip(&self.data) {
+                newton.copy_from_slice(&data.hessian);
+            }
+            problem.linearise(x, &self.scratch.no_multipliers, &mut self.data);
+            from = 0.0;
+        }
+        if from != to {
+            let ratio = (1.0 - to) / (1.0 - from);
+            for (data, newton) in self.data.iter_mut().zip(&self.newton_hessians) {
+                let ElementData { hessian, .. } = data;
+                for (h, n) in hessian.iter_mut().zip(newton) {
+                    *h = n + ratio * (*h - n);
+                }
+            }
+        }
     }
 
     /// True if the system with this shift is positive definite.
@@ -98,5 +161,53 @@ impl<P: Problem> InteriorPoint<P> {
         self.kkt
             .factorise(&self.structure, &self.data, diagonals)
             .is_ok()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Curvature and shift of what is tried one after the other.
+    fn tried(how: Convexification, last: Inertia, forced: f64) -> Vec<(f64, f64)> {
+        let first = Some(Inertia::newton(forced));
+        let all = std::iter::successors(first, |now| Some(now.next(how, last, forced)));
+        all.map(|i| (i.curvature, i.shift)).take(9).collect()
+    }
+
+    #[test]
+    fn the_curvature_of_the_rows_is_halved_until_there_is_none_while_the_shift_grows() {
+        let all = tried(Convexification::Curvature, Inertia::newton(0.0), 0.0);
+        let curvature: Vec<f64> = all.iter().map(|i| i.0).collect();
+        assert_eq!(curvature[..5], [1.0, 0.5, 0.25, 0.125, 0.0625]);
+        assert_eq!(curvature[5..], [0.03125, 0.015625, 0.0, 0.0]);
+        let shifts: Vec<f64> = all.iter().map(|i| i.1).collect();
+        assert_eq!(shifts[..5], [0.0, 0.01, 0.02, 0.04, 0.08]);
+    }
+
+    #[test]
+    fn what_is_tried_begins_with_twice_the_curvature_of_the_last_system() {
+        let mut last = Inertia::newton(0.0);
+        for _ in 0..3 {
+            last = last.next(Convexification::Curvature, last, 0.0);
+        }
+        let again = tried(Convexification::Curvature, last, 0.0);
+        assert_eq!(again[..3], [(1.0, 0.0), (0.25, 0.02), (0.125, 0.04)]);
+    }
+
+    #[test]
+    fn shifts_grow_to_one_before_the_curvature_is_dropped() {
+        let all = tried(Convexification::Shift, Inertia::newton(0.0), 0.0);
+        let curved = [0.0, 1e-4, 1e-2, 1.0].map(|shift| (1.0, shift));
+        assert_eq!(all[..4], curved);
+        assert_eq!(all[4..6], [(0.0, 0.0), (0.0, 1e-4)]);
+    }
+
+    #[test]
+    fn a_shift_that_is_asked_for_anyway_is_kept() {
+        for how in [Convexification::Curvature, Convexification::Shift] {
+            let all = tried(how, Inertia::newton(0.0), 1.0);
+            assert!(all.iter().all(|&(_, shift)| shift >= 1.0), "{all:?}");
+        }
     }
 }

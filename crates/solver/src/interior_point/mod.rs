@@ -1,11 +1,13 @@
 //! Primal-dual interior-point method with a filter line search.
 //!
 //! Rows get slacks: c(x) − s = 0 with l ≤ s ≤ u; an equality row keeps s = l. A variable with l = u is put there at the
-//! start and has no step. Legend: μ barrier parameter, y row multipliers, z bound multipliers, δ_w diagonal shift.
+//! start and has no step. Legend: μ barrier parameter, y row multipliers, z bound multipliers, δ diagonal shift,
+//! κ share of the rows' curvature.
 //!
 //! Source: Wächter and Biegler 2006 (algorithm A without its restoration phase, which the regularised rows replace);
 //! the barrier parameter follows the adaptive strategy of Nocedal, Wächter, Waltz 2009 with a monotone safeguard.
-//! **Departs:** when no step is acceptable the system is shifted and, at last, the least violated point is returned.
+//! **Departs:** where the inertia is wrong the rows' curvature is reduced ([`crate::Convexification`]); when no step is
+//! acceptable the system is shifted and, at last, the least violated point is returned.
 
 mod acceptable;
 mod barrier_update;
@@ -38,6 +40,8 @@ pub struct InteriorPoint<P: Problem> {
     fixed: Fixed,
     /// Values and derivatives at the current point.
     data: Vec<ElementData>,
+    /// Hessians with all curvature of the rows, where those of `data` have less.
+    newton_hessians: Vec<Vec<f64>>,
     /// Values at the trial point.
     trial: Vec<ElementData>,
     scratch: Scratch,
@@ -83,6 +87,7 @@ impl<P: Problem> InteriorPoint<P> {
             kkt,
             fixed: Fixed::new(structure),
             data: elements().map(ElementData::new).collect(),
+            newton_hessians: elements().map(|e| unwritten(e.vars.len().pow(2))).collect(),
             trial: elements().map(ElementData::of_values).collect(),
             scratch: Scratch {
                 rows: unwritten(m),
@@ -162,10 +167,10 @@ impl<P: Problem> InteriorPoint<P> {
 
             state.choose_barrier(errors);
             self.right_hand_side(&state);
-            let Some(shift) = self.factorise(problem, x, &mut state) else {
+            let Some(inertia) = self.factorise(problem, x, &mut state) else {
                 break Status::Failed;
             };
-            line.shift = shift.reported();
+            (line.curvature, line.shift) = (inertia.curvature, inertia.shift);
             self.newton_step(&state);
             let now = self.current(&state, line.objective, errors.theta);
             let search = self.search(problem, x, &mut trial_x, &state, now);
@@ -181,7 +186,7 @@ impl<P: Problem> InteriorPoint<P> {
                     state.step_rows(&self.scratch.step, alpha, errors.violation);
                     alpha
                 }
-                None if state.shift_more(shift) => 0.0,
+                None if state.shift_more(inertia) => 0.0,
                 None => break Status::Failed,
             };
             line.number += 1;

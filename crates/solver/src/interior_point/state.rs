@@ -2,7 +2,7 @@
 
 use super::InteriorPoint;
 use super::barrier_update::Progress;
-use super::inertia::Shift;
+use super::inertia::Inertia;
 use super::residuals::gather_rows;
 use super::step::Direction;
 use crate::barrier::{Bounded, push_inside};
@@ -39,8 +39,8 @@ pub(super) struct State {
     pub filter: Filter,
     /// True if the filter is to be emptied whatever μ does.
     pub needs_reset: bool,
-    /// Last positive shift.
-    pub last_shift: f64,
+    /// What the last system needed that needed anything.
+    pub last_inertia: Inertia,
     /// Least shift of the next system, raised when no step was acceptable.
     pub forced_shift: f64,
 }
@@ -130,7 +130,7 @@ impl State {
             progress: Progress::default(),
             filter: Filter::new(),
             needs_reset: true,
-            last_shift: 0.0,
+            last_inertia: Inertia::newton(0.0),
             forced_shift: 0.0,
         }
     }
@@ -152,13 +152,13 @@ impl State {
     }
 
     /// After a refused line search: shifts the next system and forgets the filter; false if that was tried enough.
-    pub fn shift_more(&mut self, shift: Shift) -> bool {
+    pub fn shift_more(&mut self, inertia: Inertia) -> bool {
         if self.forced_shift > MAX_FORCED_SHIFT {
             return false;
         }
         self.forced_shift = (self.forced_shift * 100.0)
             .max(1e-2)
-            .max(shift.value * 10.0);
+            .max(inertia.shift * 10.0);
         self.needs_reset = true;
         true
     }
