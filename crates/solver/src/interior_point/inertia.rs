@@ -180,7 +180,7 @@ mod tests {
         let all = tried(Convexification::Curvature, Inertia::newton(0.0), 0.0);
         let curvature: Vec<f64> = all.iter().map(|i| i.0).collect();
         assert_eq!(curvature[..5], [1.0, 0.5, 0.25, 0.125, 0.0625]);
-        assert_eq!(curvature[5..], [0.03125, 0.015625, 0.0, 0.0]);
+        assert_eq!(curvature[5..], [1.0 / 32.0, 1.0 / 64.0, 0.0, 0.0]);
         let shifts: Vec<f64> = all.iter().map(|i| i.1).collect();
         assert_eq!(shifts[..5], [0.0, 0.01, 0.02, 0.04, 0.08]);
     }
