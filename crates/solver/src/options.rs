@@ -46,7 +46,7 @@ pub struct Options {
 /// What changes where the Newton system has the wrong inertia, until it has the right one.
 ///
 /// A shift of the diagonal that makes up for the negative curvature of some rows holds back everything else too. Long motions
-/// take about a quarter fewer iterations with less curvature instead; configurations gain nothing, and more of them end
+/// take about a fifth fewer iterations with less curvature instead; configurations gain nothing, and more of them end
 /// without being found (`benches/runs/2026-11-26-curvature.md`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Convexification {

@@ -48,8 +48,8 @@ impl Inertia {
         }
     }
 
-    /// What to try when this was not enough; `last` is what the last system needed that needed anything, `forced` the least
-    /// shift.
+    /// What to try when this was not enough; `last` is what earlier systems needed ([`State::last_inertia`]), `forced` the
+    /// least shift.
     fn next(self, how: Convexification, last: Self, forced: f64) -> Self {
         match how {
             Convexification::Curvature => {

@@ -39,7 +39,7 @@ pub(super) struct State {
     pub filter: Filter,
     /// True if the filter is to be emptied whatever μ does.
     pub needs_reset: bool,
-    /// What the last system needed that needed anything.
+    /// What the last system needed; with [`crate::Convexification::Shift`] the last one that needed a shift.
     pub last_inertia: Inertia,
     /// Least shift of the next system, raised when no step was acceptable.
     pub forced_shift: f64,
