@@ -60,8 +60,7 @@ pub(super) fn find(
         let Some([_, to]) = climb(trials, scene, knob, coarse, (refused, &ladder)) else {
             continue;
         };
-        let limit = ladder.last().copied().unwrap_or(to);
-        if let Some(to) = confirm(trials, scene, knob, (to, limit, direction)) {
+        if let Some(to) = confirm(trials, scene, knob, to, (&ladder, direction)) {
             let knob = knob.clone();
             return Some(Found { knob, from, to });
         }
@@ -117,13 +116,15 @@ fn narrow(
     ([refused, accepted], known)
 }
 
-/// The first value from `to` on, at last `limit`, with which the full problem succeeds.
+/// The first value with which the full problem succeeds: from `to` on in small steps, then those of the ladder.
 fn confirm(
     trials: &mut Trials,
     scene: &Scene,
     knob: &Knob,
-    (to, limit, direction): (f64, f64, f64),
+    to: f64,
+    (ladder, direction): (&[f64], f64),
 ) -> Option<f64> {
+    let limit = ladder.last().copied().unwrap_or(to);
     let further = |size: f64| {
         let value = if knob.is_ratio() {
             to * (direction * size).exp()
@@ -138,13 +139,9 @@ fn confirm(
     };
     let inside = |value: &f64| (limit - value) * direction >= 0.0;
     let mut last = None;
-    for value in FURTHER
-        .map(further)
-        .into_iter()
-        .filter(inside)
-        .chain([limit])
-    {
-        if last == Some(value) {
+    let steps = FURTHER.map(further).into_iter().filter(inside);
+    for value in steps.chain(ladder.iter().copied()) {
+        if last.is_some_and(|last| (value - last) * direction <= 0.0) {
             continue;
         }
         last = Some(value);
@@ -176,7 +173,7 @@ pub(super) fn find_torque(trials: &mut Trials, scene: &Scene) -> Option<Found> {
             return Some(found);
         }
     }
-    let to = confirm(trials, scene, &all, (factor, limit, 1.0))?;
+    let to = confirm(trials, scene, &all, factor, (&[limit], 1.0))?;
     let (knob, from) = (all, 1.0);
     Some(Found { knob, from, to })
 }

@@ -11,8 +11,8 @@ use std::time::Instant;
 
 /// Most intervals per phase of a trial that only guides the search for a value.
 const COARSE_STEPS: usize = 6;
-/// Most iterations of such a trial: those that succeed take 20 to 70.
-const COARSE_ITERATIONS: usize = 90;
+/// Most iterations of such a trial: those that succeed take 20 to 140, rounds of repair included.
+const COARSE_ITERATIONS: usize = 200;
 
 /// Runs trials and counts them.
 pub(super) struct Trials<'a> {
