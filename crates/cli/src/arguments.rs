@@ -109,9 +109,6 @@ pub(crate) struct SearchOptions {
     /// Optimise at most so many contact sequences
     #[arg(long, value_name = "N", default_value_t = 200)]
     pub max_sequences: usize,
-    /// Threads that optimise motions; 0: one per processor. The result does not depend on it
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub threads: usize,
     /// Continue the run whose journal is in --out, without asking again what it knows
     #[arg(long, requires = "out")]
     pub resume: bool,
@@ -159,6 +156,9 @@ pub(crate) struct ProblemOptions {
     /// Leave the joint torque limits out, torque at speed too (to see what they change)
     #[arg(long)]
     pub no_torque_limits: bool,
+    /// Threads that optimise motions; 0: one per processor. The result does not depend on it
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub threads: usize,
 }
 
 impl ProblemOptions {
@@ -174,6 +174,7 @@ impl ProblemOptions {
             sticking: self.sticking.into(),
             time_limit: time_limit.unwrap_or(f64::INFINITY),
             refinement,
+            threads: self.threads,
             ..Request::default()
         }
     }

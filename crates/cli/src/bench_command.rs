@@ -52,6 +52,7 @@ pub(crate) fn run(options: &BenchOptions) -> Result<Exit, Failure> {
         integrator: options.integrator.into(),
         sticking: options.sticking.into(),
         refinement: None,
+        threads: 1,
         ..Request::default()
     };
     let interrupted = interrupt::flag();

@@ -202,7 +202,6 @@ fn search(options: &PlanOptions, scene: &Scene, folder: &Folder) -> Result<Outco
     let request = Request {
         seed: options.seed,
         search: options.search.search.into(),
-        threads: options.search.threads,
         solutions: options.search.solutions,
         min_optimised: options.search.min_sequences,
         max_optimised: options.search.max_sequences,

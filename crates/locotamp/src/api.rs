@@ -7,9 +7,11 @@ use crate::summary::{self, Summary};
 use ocp::{Integrator, Motion, Preset, Refinement, Sticking};
 use plan::Plan;
 use scene::Scene;
+use std::num::NonZero;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
 use symbolic::SymbolicError;
 
 /// How the search chooses the next contact sequence.
@@ -93,6 +95,15 @@ impl Request {
     /// How a motion is refined, if it is: the paper's problem has no finer grid.
     pub(crate) fn refines(&self) -> Option<Refinement> {
         self.refinement.filter(|_| self.preset == Preset::Default)
+    }
+
+    /// Threads that are wanted.
+    pub(crate) fn thread_count(&self) -> usize {
+        if self.threads == 0 {
+            thread::available_parallelism().map_or(1, NonZero::get)
+        } else {
+            self.threads
+        }
     }
 }
 

@@ -81,7 +81,7 @@ pub fn solve(
     let planner = Planner::new(scene)?;
     crate::start::check_start(scene, &planner)?;
     let labels = labels(scene, sequence)?;
-    let settings = search::settings(scene, request)?;
+    let settings = search::settings_of_one(scene, request)?;
     let phases: Vec<Phase> = sequence
         .phases
         .iter()

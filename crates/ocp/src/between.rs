@@ -47,8 +47,7 @@ impl Trajectory {
                     .map(|(v, now)| s * (beta * v + gamma * now))
                     .collect();
                 kinematics.update(model, &model.integrate(&x.nodes[t], &moved));
-                let mut tau = self
-                    .scratch
+                let mut tau = self.scratches[0]
                     .rnea
                     .compute(model, &kinematics, &speed, &a)
                     .to_vec();

@@ -3,36 +3,44 @@
 use crate::chain::{Motion, StateLayout};
 use crate::momentum::Context;
 use crate::point::Point;
-use crate::problem::{Trajectory, element_nodes, physical_wrench, posture_cost, velocity_scale};
+use crate::problem::{element_nodes, physical_wrench, posture_cost, velocity_scale};
 use crate::slip::Place;
 use crate::states::{self, At};
 use crate::terms::PoseTerm;
 use crate::torque_speed::Velocities;
+use crate::worker::{NearestOfInterval, Worker};
 use nalgebra::{Matrix6, Vector6};
 use solver::{BlockStructure, ElementData};
 
-impl Trajectory {
+impl Worker<'_> {
     /// Gradient, Jacobians and Hessian of interval `t`; `y` are the multipliers of its rows.
-    pub(crate) fn derivatives(&mut self, x: &Point, t: usize, y: &[f64], out: &mut ElementData) {
+    pub(crate) fn derivatives(
+        &mut self,
+        x: &Point,
+        t: usize,
+        y: &[f64],
+        nearest: &NearestOfInterval,
+        out: &mut ElementData,
+    ) {
         let n = self.program.structure.elements[t].vars.len();
         out.gradient.fill(0.0);
         for (j, column) in out.hessian.chunks_exact_mut(n).enumerate() {
             column[j..].fill(0.0);
         }
         self.motion_derivatives(x, t, y, out);
-        for sum in self.pose_sums.iter_mut().flatten() {
+        for sum in self.scratch.pose_sums.iter_mut().flatten() {
             sum.clear();
         }
         self.stick_derivatives(t, y, out);
-        let program = &self.program;
+        let program = self.program;
         let interval = &program.intervals[t];
-        let s = &mut self.scratch;
+        let s = &mut *self.scratch;
         for node in element_nodes(program, t) {
             let Some(first) = (if node == t { interval.a } else { interval.b }) else {
                 continue;
             };
-            let sums = &mut self.pose_sums[node - t];
-            let nearest = &self.nodes[node].nearest;
+            let sums = &mut s.pose_sums[node - t];
+            let nearest = &nearest.nodes[node - t];
             for (term, nearest) in program.nodes[node].terms.iter().zip(nearest) {
                 let relative = &self.nodes[node].relatives[term.slot];
                 let gradients = &mut s.gradients[..term.n_rows];
@@ -82,18 +90,19 @@ impl Trajectory {
                 out.hessian[(first + i) * n + first + i] += curvature;
             });
         }
-        let difference = (t, &self.differences[t]);
+        let place = (t, &self.differences[t], &nearest.passages[..]);
+        let (way, gradients) = (&mut s.way, &mut s.gradients);
         self.passages
-            .derivatives(program, difference, y, &mut s.gradients, out);
+            .derivatives(program, place, y, (way, gradients), out);
         self.force_derivatives(x, t, y, out);
         self.chain_poses(t, out);
     }
 
     /// Sticking: −φ(X_t) + φ(X_{t+1}).
     fn stick_derivatives(&mut self, t: usize, y: &[f64], out: &mut ElementData) {
-        let program = &self.program;
+        let program = self.program;
         let interval = &program.intervals[t];
-        let s = &mut self.scratch;
+        let s = &mut *self.scratch;
         for stick in &interval.sticks {
             let rows = stick.place.n_rows();
             let jacobian = &mut out.jacobians[stick.block];
@@ -122,18 +131,18 @@ impl Trajectory {
                 }
                 let gradient = weighted_sum(&s.gradients[..rows], weights);
                 let hessian = stick.place.hessian(&relative.b_from_a, weights);
-                self.pose_sums[node - t][slot].add(&gradient, &hessian);
+                s.pose_sums[node - t][slot].add(&gradient, &hessian);
             }
         }
     }
 
     /// Takes the sums of gradients and Hessians by relative poses to the increments of their nodes.
     fn chain_poses(&self, t: usize, out: &mut ElementData) {
-        let program = &self.program;
+        let program = self.program;
         let interval = &program.intervals[t];
         let n = out.gradient.len();
         let sides = [(interval.a, t), (interval.b, t + 1)];
-        for ((first, node), sums) in sides.into_iter().zip(&self.pose_sums) {
+        for ((first, node), sums) in sides.into_iter().zip(&self.scratch.pose_sums) {
             let Some(first) = first else { continue };
             let node_frames = program.nodes[node].frames.iter();
             for ((&frame, relative), sum) in node_frames.zip(&self.nodes[node].relatives).zip(sums)
@@ -158,11 +167,11 @@ impl Trajectory {
     #[allow(clippy::too_many_lines)] // one expression or layout, written down in its own order
     fn motion_derivatives(&mut self, x: &Point, t: usize, y: &[f64], out: &mut ElementData) {
         self.motion(x, t);
-        let program = &self.program;
+        let program = self.program;
         let interval = &program.intervals[t];
         let n = program.structure.elements[t].vars.len();
         let nv = program.system.model.nv;
-        let s = &mut self.scratch;
+        let s = &mut *self.scratch;
         let states = program
             .has_velocities()
             .then(|| StateLayout::of(interval))
@@ -300,7 +309,7 @@ impl Trajectory {
             s.chain
                 .finish(dynamics, here, next, &layout, gradient, hessian);
         }
-        let (program, s) = (&self.program, &self.scratch);
+        let (program, s) = (self.program, &*self.scratch);
         let interval = &program.intervals[t];
         if let (true, Some(time)) = (interval.dynamics, interval.time) {
             out.gradient[time] += program.settings.weights.time / s.chain.motion.steps;
@@ -309,9 +318,9 @@ impl Trajectory {
 
     /// Rows of node velocities that are unknowns.
     fn state_derivatives(&mut self, t: usize, y: &[f64], out: &mut ElementData) {
-        let program = &self.program;
+        let program = self.program;
         let interval = &program.intervals[t];
-        let s = &mut self.scratch;
+        let s = &mut *self.scratch;
         let at = At {
             program,
             interval,
@@ -329,11 +338,11 @@ impl Trajectory {
     }
 
     fn force_derivatives(&mut self, x: &Point, t: usize, y: &[f64], out: &mut ElementData) {
-        let program = &self.program;
+        let program = self.program;
         let interval = &program.intervals[t];
         let n = program.structure.elements[t].vars.len();
         let share = program.share[interval.phase];
-        let s = &mut self.scratch;
+        let s = &mut *self.scratch;
         for &(here, next) in &interval.changes {
             let weight = program.settings.weights.force_rate / share;
             let first = program.intervals[t + 1].wrench_var;
@@ -390,7 +399,7 @@ impl Trajectory {
                     }
                 }
                 let gradient = gradients.iter().zip(weights).map(|(g, w)| g.0 * *w).sum();
-                self.pose_sums[0][force.slot].add(&gradient, &h.pose);
+                s.pose_sums[0][force.slot].add(&gradient, &h.pose);
             }
         }
     }

@@ -35,6 +35,7 @@ mod states;
 mod system;
 pub mod terms;
 mod torque_speed;
+mod worker;
 
 pub use between::Between;
 pub use keyframes::Keyframes;

@@ -169,6 +169,7 @@ impl First {
         let left = settings.max_iterations.saturating_sub(iterations).max(1);
         let mut options = Options {
             max_iterations: left.min(self.max_iterations),
+            threads: settings.threads,
             ..self.options.clone()
         };
         if settings.barrier > options.min_barrier {

@@ -6,7 +6,8 @@
 
 use crate::chain::Motion;
 use crate::point::Point;
-use crate::problem::{Trajectory, element_nodes, posture_cost};
+use crate::problem::{element_nodes, posture_cost};
+use crate::worker::Worker;
 
 /// A term of the objective.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -103,21 +104,14 @@ impl CostTerms {
     }
 }
 
-impl Trajectory {
-    /// The objective of interval `t` at a point, term by term.
-    pub fn cost_terms(&mut self, x: &Point, t: usize) -> CostTerms {
-        self.update(x);
-        self.motion(x, t);
-        self.interval_costs(x, t)
-    }
-
-    /// The same; `update` and `motion` have been called.
-    pub(crate) fn interval_costs(&mut self, x: &Point, t: usize) -> CostTerms {
-        let program = &self.program;
+impl Worker<'_> {
+    /// The objective of interval `t` at a point, term by term; its motion is known.
+    pub(crate) fn costs(&mut self, x: &Point, t: usize) -> CostTerms {
+        let program = self.program;
         let interval = &program.intervals[t];
         let weights = &program.settings.weights;
         let share = program.share[interval.phase];
-        let s = &mut self.scratch;
+        let s = &mut *self.scratch;
         let Motion { v, a, dt, .. } = &s.chain.motion;
         let mut costs = CostTerms::default();
         if interval.dynamics {

@@ -11,25 +11,24 @@
 
 use crate::difference::{Difference, End};
 use crate::point::Point;
-use crate::problem::NodeState;
 use crate::program::{Interval, Passage, Program};
 use crate::relative::{Relative, RelativeFrame};
 use crate::terms::distance::Nearest;
+use crate::worker::NodeState;
 use multibody::Kinematics;
 use nalgebra::{DMatrix, Matrix6, Vector6};
 use solver::ElementData;
 use spatial::{left_jacobian, right_jacobian};
 
-/// Configurations on the way, and scratch.
+/// Configurations on the way.
 pub struct Passages {
     /// Per interval, per passage.
     states: Vec<Vec<NodeState>>,
     q: Vec<f64>,
-    scratch: Scratch,
 }
 
 /// Derivatives by increments of q_s, and what takes them to the two nodes.
-struct Scratch {
+pub(crate) struct WayScratch {
     row: Vec<f64>,
     by_end: Vec<f64>,
     hessian: DMatrix<f64>,
@@ -81,26 +80,11 @@ impl Passages {
             relatives: (passage.frames.iter())
                 .map(|&f| program.frames[f].relative())
                 .collect(),
-            nearest: (passage.terms.iter())
-                .map(|term| Nearest::new(term.term.n_pairs()))
-                .collect(),
         };
         let of_interval = |i: &Interval| i.passages.iter().map(state).collect();
-        let square = || DMatrix::zeros(model.nv, model.nv);
-        let end = || EndMap {
-            share: f64::NAN,
-            blocks: vec![(0, Matrix6::zeros()); program.system.floating().len()],
-        };
         Self {
             states: program.intervals.iter().map(of_interval).collect(),
             q: vec![f64::NAN; model.nq],
-            scratch: Scratch {
-                row: vec![f64::NAN; model.nv],
-                by_end: vec![f64::NAN; model.nv],
-                hessian: square(),
-                chained: square(),
-                ends: [end(), end()],
-            },
         }
     }
 
@@ -119,10 +103,17 @@ impl Passages {
         }
     }
 
-    /// Row values of interval `t`.
-    pub fn values(&mut self, interval: &Interval, t: usize, values: &mut [f64]) {
-        for (passage, state) in interval.passages.iter().zip(&mut self.states[t]) {
-            for (term, nearest) in passage.terms.iter().zip(&mut state.nearest) {
+    /// Row values of interval `t`, and what they leave for their derivatives.
+    pub fn values(
+        &self,
+        interval: &Interval,
+        t: usize,
+        nearest: &mut [Vec<Nearest>],
+        values: &mut [f64],
+    ) {
+        let passages = interval.passages.iter().zip(&self.states[t]);
+        for ((passage, state), nearest) in passages.zip(nearest) {
+            for (term, nearest) in passage.terms.iter().zip(nearest) {
                 let values = &mut values[term.first_row..term.first_row + term.n_rows];
                 let pose = &state.relatives[term.slot].b_from_a;
                 term.term.values_near(pose, values, nearest);
@@ -131,24 +122,24 @@ impl Passages {
     }
 
     /// Jacobians of interval `t`, and the Hessian for the multipliers `y` of the element's rows.
-    pub fn derivatives(
-        &mut self,
+    pub(crate) fn derivatives(
+        &self,
         program: &Program,
-        (t, difference): (usize, &Difference),
+        (t, difference, nearest): (usize, &Difference, &[Vec<Nearest>]),
         y: &[f64],
-        gradients: &mut [Vector6<f64>],
+        (scratch, gradients): (&mut WayScratch, &mut [Vector6<f64>]),
         out: &mut ElementData,
     ) {
         let interval = &program.intervals[t];
         let firsts = [interval.a, interval.b];
-        let scratch = &mut self.scratch;
-        for (passage, state) in interval.passages.iter().zip(&self.states[t]) {
+        let passages = interval.passages.iter().zip(&self.states[t]);
+        for ((passage, state), nearest) in passages.zip(nearest) {
             for (end, map) in [End::A, End::B].into_iter().zip(&mut scratch.ends) {
                 map.update(difference, end, passage.share);
             }
             scratch.hessian.fill(0.0);
             let mut curved = false;
-            for (term, nearest) in passage.terms.iter().zip(&state.nearest) {
+            for (term, nearest) in passage.terms.iter().zip(nearest) {
                 let frame = &program.frames[passage.frames[term.slot]];
                 let relative = &state.relatives[term.slot];
                 let weights = &y[term.first_row..term.first_row + term.n_rows];
@@ -169,7 +160,24 @@ impl Passages {
     }
 }
 
-impl Scratch {
+impl WayScratch {
+    /// For a program.
+    pub(crate) fn new(program: &Program) -> Self {
+        let nv = program.system.model.nv;
+        let square = || DMatrix::zeros(nv, nv);
+        let end = || EndMap {
+            share: f64::NAN,
+            blocks: vec![(0, Matrix6::zeros()); program.system.floating().len()],
+        };
+        Self {
+            row: vec![f64::NAN; nv],
+            by_end: vec![f64::NAN; nv],
+            hessian: square(),
+            chained: square(),
+            ends: [end(), end()],
+        }
+    }
+
     /// The Jacobian of rows with these gradients by the relative pose.
     fn write_rows(
         &mut self,

@@ -3,50 +3,17 @@
 //! Per node: kinematics and relative poses. Per interval: differences, inverse dynamics and wrenches. The chain rule
 //! from (q, v, a) to the node variables is in [`crate::chain`].
 
-use crate::chain::{Chain, Motion};
-use crate::derivatives::PoseSum;
+use crate::chain::Motion;
 use crate::difference::Difference;
 use crate::evaluated::Evaluated;
-use crate::momentum::{Context, Momentum};
+use crate::objective::CostTerms;
 use crate::passages::Passages;
 use crate::point::Point;
-use crate::program::{Grid, Program, Variables};
-use crate::relative::Relative;
-use crate::slip::{self, Slips};
-use crate::states::{self, At};
-use crate::terms::PoseTerm;
-use crate::terms::distance::Nearest;
-use crate::terms::place::Place;
-use multibody::{CenterOfMass, Kinematics, Rnea, RneaHessian};
+use crate::program::{Grid, Node, Program, Variables};
+use crate::worker::{NearestOfInterval, NodeState, Scratch, Worker};
+use multibody::Kinematics;
 use nalgebra::Vector6;
-use solver::{ElementData, ElementStructure, Problem, Structure};
-
-/// Relative poses and kinematics of one node.
-#[derive(Debug, Clone)]
-pub(crate) struct NodeState {
-    pub(crate) kinematics: Kinematics,
-    pub(crate) relatives: Vec<Relative>,
-    /// What the values of each term leave for its derivatives.
-    pub(crate) nearest: Vec<Nearest>,
-}
-
-/// Scratch of one interval's evaluation.
-pub(crate) struct Scratch {
-    pub(crate) rnea: Rnea,
-    pub(crate) hessian: RneaHessian,
-    pub(crate) chain: Chain,
-    /// Of the equations of motion by all that they may depend on, column-major.
-    pub(crate) jacobian: Vec<f64>,
-    pub(crate) tau: Vec<f64>,
-    pub(crate) weights: Vec<f64>,
-    pub(crate) virtual_speeds: Vec<f64>,
-    pub(crate) values: Vec<f64>,
-    pub(crate) gradients: Vec<Vector6<f64>>,
-    pub(crate) force_gradients: Vec<(Vector6<f64>, Vector6<f64>)>,
-    pub(crate) momentum: Momentum,
-    pub(crate) slips: Slips,
-    pub(crate) balance: CenterOfMass,
-}
+use solver::{ElementData, Problem, Structure, threads};
 
 /// The program with its scratch memory, ready for the solver.
 pub struct Trajectory {
@@ -55,9 +22,12 @@ pub struct Trajectory {
     pub(crate) nodes: Vec<NodeState>,
     pub(crate) differences: Vec<Difference>,
     pub(crate) passages: Passages,
-    pub(crate) scratch: Scratch,
-    /// Scratch of the two nodes of an interval, one per relative pose.
-    pub(crate) pose_sums: [Vec<PoseSum>; 2],
+    /// Per interval.
+    nearest: Vec<NearestOfInterval>,
+    /// First row of each interval among those of all.
+    first_row: Vec<usize>,
+    /// One per thread.
+    pub(crate) scratches: Vec<Scratch>,
     evaluated: Evaluated,
 }
 
@@ -65,58 +35,76 @@ impl Trajectory {
     /// Allocates for a program.
     pub fn new(program: Program) -> Self {
         let model = &program.system.model;
-        let nv = model.nv;
-        let nodes = program
-            .nodes
-            .iter()
-            .map(|node| NodeState {
-                kinematics: Kinematics::new(model),
-                relatives: node
-                    .frames
-                    .iter()
-                    .map(|&f| program.frames[f].relative())
-                    .collect(),
-                nearest: (node.terms.iter())
-                    .map(|term| Nearest::new(term.term.n_pairs()))
-                    .collect(),
-            })
-            .collect();
-        let floating = program.system.floating();
-        let differences = vec![Difference::new(nv, &floating); program.n_intervals()];
-        let most_rows = program
-            .structure
-            .elements
-            .iter()
-            .map(ElementStructure::n_rows)
-            .max()
-            .unwrap_or(0);
-        let elements = program.structure.elements.iter();
-        let most_variables = elements.map(|e| e.vars.len()).max();
-        let scratch = Scratch {
-            rnea: Rnea::new(model),
-            hessian: RneaHessian::new(model),
-            chain: Chain::new(nv),
-            jacobian: vec![f64::NAN; most_variables.unwrap_or(0) * nv],
-            tau: vec![f64::NAN; nv],
-            weights: vec![0.0; nv],
-            virtual_speeds: vec![0.0; nv],
-            values: vec![0.0; most_rows.max(16)],
-            gradients: vec![Vector6::zeros(); most_rows.max(16)],
-            force_gradients: vec![(Vector6::zeros(), Vector6::zeros()); 16],
-            momentum: Momentum::new(&program.system.robot, nv),
-            slips: Slips::new(nv),
-            balance: CenterOfMass::new(model),
+        let node_state = |node: &Node| NodeState {
+            kinematics: Kinematics::new(model),
+            relatives: (node.frames.iter())
+                .map(|&f| program.frames[f].relative())
+                .collect(),
         };
-        let most_frames = (program.nodes.iter().map(|n| n.frames.len())).max();
-        let pose_sums = vec![PoseSum::new(); most_frames.unwrap_or(0)];
+        let difference = Difference::new(model.nv, &program.system.floating());
+        let threads = match program.grid {
+            Grid::Motion => program.settings.threads.max(1),
+            _ => 1,
+        };
+        let elements = program.structure.elements.iter();
+        let first_row = elements.scan(0, |next, element| {
+            let first = *next;
+            *next += element.n_rows();
+            Some(first)
+        });
         Self {
+            first_row: first_row.collect(),
             evaluated: Evaluated::new(&program),
-            pose_sums: [pose_sums.clone(), pose_sums],
+            nodes: program.nodes.iter().map(node_state).collect(),
+            differences: vec![difference; program.n_intervals()],
             passages: Passages::new(&program),
+            nearest: (0..program.n_intervals())
+                .map(|t| NearestOfInterval::new(&program, t))
+                .collect(),
+            scratches: (0..threads).map(|_| Scratch::new(&program)).collect(),
             program,
-            nodes,
-            differences,
-            scratch,
+        }
+    }
+
+    /// Does something with every interval, on all threads: its data and what is kept of it.
+    fn each_interval(
+        &mut self,
+        out: &mut [ElementData],
+        work: impl Fn(&mut Worker<'_>, usize, Kept<'_>) + Sync,
+    ) {
+        let (program, nodes) = (&self.program, &self.nodes[..]);
+        let (differences, passages) = (&self.differences[..], &self.passages);
+        let first_row = &self.first_row[..];
+        let size = out.len().div_ceil(self.scratches.len()).max(1);
+        let parts = (out.chunks_mut(size))
+            .zip(self.nearest.chunks_mut(size))
+            .zip(self.evaluated.values.chunks_mut(size));
+        let parts = parts.zip(&mut self.scratches).enumerate();
+        threads::each(parts, |(part, (((out, nearest), known), scratch))| {
+            let mut worker = Worker {
+                program,
+                nodes,
+                differences,
+                passages,
+                first_row,
+                scratch,
+            };
+            let kept = out.iter_mut().zip(nearest).zip(known);
+            for (t, ((data, nearest), known)) in (part * size..).zip(kept) {
+                work(&mut worker, t, (data, nearest, known));
+            }
+        });
+    }
+
+    /// The thread at work where there is one only.
+    fn worker(&mut self) -> Worker<'_> {
+        Worker {
+            program: &self.program,
+            nodes: &self.nodes,
+            differences: &self.differences,
+            passages: &self.passages,
+            first_row: &self.first_row,
+            scratch: &mut self.scratches[0],
         }
     }
 
@@ -146,12 +134,16 @@ impl Trajectory {
             return;
         }
         let program = &self.program;
-        for (t, (node, state)) in program.nodes.iter().zip(&mut self.nodes).enumerate() {
-            state.kinematics.update(&program.system.model, &x.nodes[t]);
-            for (&frame, relative) in node.frames.iter().zip(&mut state.relatives) {
-                program.frames[frame].update(&state.kinematics, relative);
+        let size = self.nodes.len().div_ceil(self.scratches.len()).max(1);
+        threads::each(self.nodes.chunks_mut(size).enumerate(), |(part, states)| {
+            for (t, state) in (part * size..).zip(states) {
+                state.kinematics.update(&program.system.model, &x.nodes[t]);
+                let frames = program.nodes[t].frames.iter();
+                for (&frame, relative) in frames.zip(&mut state.relatives) {
+                    program.frames[frame].update(&state.kinematics, relative);
+                }
             }
-        }
+        });
         for (t, difference) in self.differences.iter_mut().enumerate() {
             program
                 .system
@@ -163,47 +155,7 @@ impl Trajectory {
 
     /// Interval length [s].
     pub fn dt(&self, x: &Point, t: usize) -> f64 {
-        let phase = self.program.phase_of(t);
-        x.durations[phase] / self.program.steps[phase] as f64
-    }
-
-    /// Velocities and accelerations of interval `t` from the differences.
-    pub(crate) fn motion(&mut self, x: &Point, t: usize) {
-        let interval = &self.program.intervals[t];
-        let (dt, dt_next) = (
-            self.dt(x, t),
-            if t + 1 < self.program.n_intervals() {
-                self.dt(x, t + 1)
-            } else {
-                1.0
-            },
-        );
-        let motion = &mut self.scratch.chain.motion;
-        motion.dt = dt;
-        motion.dt_next = dt_next;
-        motion.steps = self.program.steps[interval.phase] as f64;
-        motion.steps_next = if t + 1 < self.program.n_intervals() {
-            self.program.steps[self.program.phase_of(t + 1)] as f64
-        } else {
-            1.0
-        };
-        let states = self.program.has_velocities();
-        let xi = &self.differences[t].xi;
-        for i in 0..motion.v.len() {
-            if states {
-                motion.v[i] = x.velocities[t][i];
-                motion.v_next[i] = x.velocities[t + 1][i];
-                motion.a[i] = (motion.v_next[i] - motion.v[i]) / dt;
-                continue;
-            }
-            motion.v[i] = if interval.v { xi[i] / dt } else { 0.0 };
-            motion.v_next[i] = if interval.v_next {
-                self.differences[t + 1].xi[i] / dt_next
-            } else {
-                0.0
-            };
-            motion.a[i] = (motion.v_next[i] - motion.v[i]) / dt;
-        }
+        interval_length(&self.program, x, t)
     }
 
     /// Velocity and acceleration of interval `t` at a point, for export.
@@ -211,35 +163,10 @@ impl Trajectory {
         if t == 0 {
             self.update(x);
         }
-        self.motion(x, t);
-        (
-            self.scratch.chain.motion.v.clone(),
-            self.scratch.chain.motion.a.clone(),
-        )
-    }
-
-    /// Generalised forces M a + b − Σ Jᵀλ of interval `t`; `update` and `motion` have been called.
-    fn generalised_forces(&mut self, x: &Point, t: usize) {
-        let program = &self.program;
-        let s = &mut self.scratch;
-        let Motion { v, a, .. } = &s.chain.motion;
-        s.tau.copy_from_slice(s.rnea.compute(
-            &program.system.model,
-            &self.nodes[t].kinematics,
-            v,
-            a,
-        ));
-        for force in &program.intervals[t].forces {
-            let wrench = physical_wrench(force, &x.wrenches[t]);
-            let relative = &self.nodes[t].relatives[force.slot];
-            for (&col, column) in program.frames[force.frame]
-                .cols
-                .iter()
-                .zip(&relative.columns)
-            {
-                s.tau[col] -= column.dot(&wrench);
-            }
-        }
+        let mut worker = self.worker();
+        worker.motion(x, t);
+        let Motion { v, a, .. } = &worker.scratch.chain.motion;
+        (v.clone(), a.clone())
     }
 
     /// Generalised forces of interval `t` at a point, for export: base and object rows zero at a solution.
@@ -247,108 +174,32 @@ impl Trajectory {
         if t == 0 {
             self.update(x);
         }
-        self.motion(x, t);
-        self.generalised_forces(x, t);
-        self.scratch.tau.clone()
+        let mut worker = self.worker();
+        worker.motion(x, t);
+        worker.generalised_forces(x, t);
+        worker.scratch.tau.clone()
     }
 
-    /// Objective and row values of interval `t`.
-    #[allow(clippy::too_many_lines)] // one expression or layout, written down in its own order
-    fn values(&mut self, x: &Point, t: usize, out: &mut ElementData) {
-        self.motion(x, t);
-        let dynamics = self.program.intervals[t].dynamics;
-        if dynamics {
-            self.generalised_forces(x, t);
-        }
-        let program = &self.program;
-        let interval = &program.intervals[t];
-        let s = &mut self.scratch;
-        if dynamics {
-            for i in 0..s.tau.len() {
-                out.values[i] = s.tau[i] / program.dynamics_scale[i];
-            }
-            if program.momentum {
-                let kinematics = [&self.nodes[t].kinematics, &self.nodes[t + 1].kinematics];
-                let differences = [
-                    interval.v.then(|| &self.differences[t]),
-                    interval.v_next.then(|| &self.differences[t + 1]),
-                ];
-                let (relatives, wrenches) = (&self.nodes[t].relatives, &x.wrenches[t]);
-                let at = Context::new(program, t, kinematics, differences, relatives, wrenches);
-                let Motion { v, v_next, dt, .. } = &s.chain.motion;
-                s.momentum.values(&at, v, v_next, *dt, &mut out.values);
-            }
-            let scale = &program.dynamics_scale;
-            (interval.torque_speed).values(&s.tau, scale, &s.chain.motion, &mut out.values);
-        }
-        if let Some(first) = interval.velocity_rows {
-            for (k, joint) in program.system.actuated().enumerate() {
-                out.values[first + k] =
-                    s.chain.motion.v[joint.idx_v] / velocity_scale(joint.velocity_limit);
-            }
-        }
-        let at = At {
-            program,
-            interval,
-            difference: &self.differences[t],
-            motion: &s.chain.motion,
-        };
-        if let Some(rows) = interval.integrator {
-            at.integrator_values(rows, &mut out.values);
-        }
-        for touch in &interval.touches {
-            let frame = &program.frames[program.nodes[t].frames[touch.slot]];
-            let relative = &self.nodes[t].relatives[touch.slot];
-            let v = &s.chain.motion.v;
-            states::touch_values(touch, frame, relative, v, &mut out.values);
-        }
-        for stick in &interval.sticks {
-            let n = stick.place.n_rows();
-            let (mut from, mut to) = ([0.0; 3], [0.0; 3]);
-            stick.place.values(
-                &self.nodes[t].relatives[stick.slot_a].b_from_a,
-                &mut from[..n],
-            );
-            stick.place.values(
-                &self.nodes[t + 1].relatives[stick.slot_b].b_from_a,
-                &mut to[..n],
-            );
-            Place::difference(
-                &from,
-                &to,
-                &mut out.values[stick.first_row..stick.first_row + n],
-            );
-        }
-        for slip in &interval.slips {
-            let frame = &program.frames[program.nodes[t].frames[slip.slot]];
-            let at = slip::Place {
-                frame,
-                relative: &self.nodes[t].relatives[slip.slot],
-            };
-            s.slips.values(slip, at, &s.chain.motion.v, &mut out.values);
-        }
-        for force in &interval.forces {
-            let wrench = physical_wrench(force, &x.wrenches[t]);
-            let pose = &self.nodes[t].relatives[force.slot].b_from_a;
-            for rows in &force.rows {
-                rows.term.values(
-                    pose,
-                    &wrench,
-                    &mut out.values[rows.first_row..rows.first_row + rows.n_rows],
-                );
-            }
-        }
-        for node in element_nodes(program, t) {
-            let state = &mut self.nodes[node];
-            for (term, nearest) in program.nodes[node].terms.iter().zip(&mut state.nearest) {
-                let values = &mut out.values[term.first_row..term.first_row + term.n_rows];
-                let pose = &state.relatives[term.slot].b_from_a;
-                term.term.values_near(pose, values, nearest);
-            }
-        }
-        self.passages.values(interval, t, &mut out.values);
-        out.objective = self.interval_costs(x, t).sum;
+    /// The objective of interval `t` at a point, term by term.
+    pub fn cost_terms(&mut self, x: &Point, t: usize) -> CostTerms {
+        self.update(x);
+        let mut worker = self.worker();
+        worker.motion(x, t);
+        worker.costs(x, t)
     }
+}
+
+/// Of one interval: derivatives, what its values leave for them, objective and values of the last point.
+type Kept<'a> = (
+    &'a mut ElementData,
+    &'a mut NearestOfInterval,
+    &'a mut (f64, Vec<f64>),
+);
+
+/// Length of interval `t` [s].
+pub(crate) fn interval_length(program: &Program, x: &Point, t: usize) -> f64 {
+    let phase = program.phase_of(t);
+    x.durations[phase] / program.steps[phase] as f64
 }
 
 /// Nodes whose terms belong to element `t`: its own, and for keyframes the last one too.
@@ -456,19 +307,17 @@ impl Problem for Trajectory {
 
     fn evaluate(&mut self, x: &Point, out: &mut [ElementData]) {
         self.update(x);
-        for (t, data) in out.iter_mut().enumerate() {
-            if self.evaluated.fresh {
-                let (objective, values) = &self.evaluated.values[t];
-                data.objective = *objective;
-                data.values.copy_from_slice(values);
+        let fresh = std::mem::replace(&mut self.evaluated.fresh, true);
+        self.each_interval(out, |worker, t, (data, nearest, known)| {
+            if fresh {
+                data.objective = known.0;
+                data.values.copy_from_slice(&known.1);
             } else {
-                self.values(x, t, data);
-                let (objective, values) = &mut self.evaluated.values[t];
-                *objective = data.objective;
-                values.copy_from_slice(&data.values);
+                worker.values(x, t, nearest, data);
+                known.0 = data.objective;
+                known.1.copy_from_slice(&data.values);
             }
-        }
-        self.evaluated.fresh = true;
+        });
     }
 
     fn linearise(&mut self, x: &Point, multipliers: &[f64], out: &mut [ElementData]) {
@@ -476,11 +325,10 @@ impl Problem for Trajectory {
         for difference in &mut self.differences {
             difference.linearise();
         }
-        let mut first = 0;
-        for (t, data) in out.iter_mut().enumerate() {
-            let rows = data.values.len();
-            self.derivatives(x, t, &multipliers[first..first + rows], data);
-            first += rows;
-        }
+        self.each_interval(out, |worker, t, (data, nearest, _)| {
+            let first = worker.first_row[t];
+            let y = &multipliers[first..first + data.values.len()];
+            worker.derivatives(x, t, y, nearest, data);
+        });
     }
 }

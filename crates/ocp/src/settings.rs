@@ -248,6 +248,8 @@ pub struct Settings {
     /// and costs a few per cent more than the optimum, for a third of the iterations
     /// (benches/runs/2026-11-21-barrier.md); refinement finds its own optimum.
     pub barrier: f64,
+    /// Threads that work on one motion; the result is the same.
+    pub threads: usize,
 }
 
 /// Violation (scaled rows) below which a motion is nearly one.
@@ -295,6 +297,7 @@ impl Settings {
             } else {
                 PAPER_BARRIER
             },
+            threads: 1,
         }
     }
 

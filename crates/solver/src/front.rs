@@ -1,7 +1,7 @@
 //! Multifrontal Cholesky factorisation of a symmetric matrix given as a sum of element matrices.
 //!
-//! Every variable is eliminated with the last element that touches it, so the *front* of an element holds its own
-//! variables and those carried over from its predecessors. With elements that follow one another in time the fronts
+//! Every variable is eliminated with one of the elements that touch it ([`crate::elimination`]), so the *front* of an element holds
+//! its own variables and those carried over from its neighbours. With elements that follow one another in time the fronts
 //! stay small and the cost is linear in their number. Fixed variables are in no front.
 //!
 //! Source: Duff and Reid 1983; the dense kernels are faer's.
@@ -14,45 +14,138 @@ use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, MatMut, Par, Spec};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::Structure;
 pub use crate::assembly::Assembly;
-use crate::assembly::{NOWHERE, Run, runs};
+use crate::elimination::{Elimination, Symbolic};
 use crate::kernels::{add_scaled, dot};
+use crate::threads::join;
 
-/// The matrix is not positive definite: the element and its failed pivot.
+/// The matrix is not positive definite.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct NotPositiveDefinite {
-    /// Element at whose elimination the pivot failed.
-    pub element: usize,
-}
-
-/// Index lists of one front; constant during a solve.
-#[derive(Debug, Clone)]
-struct Symbolic {
-    /// Global variables of the front, the eliminated ones first.
-    vars: Vec<usize>,
-    /// How many of them are eliminated here.
-    n_eliminated: usize,
-    /// Position in the front of each variable of the element, [`NOWHERE`] for fixed ones.
-    of_element: Vec<usize>,
-    /// The same in runs.
-    runs: Vec<Run>,
-    /// Positions in the next front of the carried variables.
-    of_carried: Vec<Run>,
-}
+pub struct NotPositiveDefinite;
 
 /// Factorisation with its buffers; allocated once.
 pub struct Fronts {
     symbolic: Vec<Symbolic>,
-    /// Global indices of the fixed variables.
+    /// The element between the two halves.
+    middle: usize,
+    /// Global indices of the fixed variables, and of those that are eliminated in the second half.
     fixed: Vec<usize>,
+    second: Vec<usize>,
     /// Per element the factor's columns, column-major `front × eliminated`.
     panels: Vec<Vec<f64>>,
-    /// Schur complement of the current and of the next front.
+    buffers: [Buffers; 2],
+    /// The second half's right-hand side and solution, over all variables.
+    second_rhs: Vec<f64>,
+}
+
+/// What one half works with.
+struct Buffers {
+    /// Schur complement of the front done last and of the one at hand.
     schur: [Vec<f64>; 2],
-    scratch: MemBuffer,
+    stack: MemBuffer,
     local: Vec<f64>,
+}
+
+impl Buffers {
+    /// For any of these fronts.
+    fn new(symbolic: &[Symbolic]) -> Self {
+        let most = |of: fn(&Symbolic) -> usize| symbolic.iter().map(of).max().unwrap_or(0);
+        let n_schur = most(Symbolic::n_carried).pow(2);
+        let n_eliminated = most(|s| s.n_eliminated);
+        Self {
+            schur: [vec![0.0; n_schur], vec![0.0; n_schur]],
+            stack: MemBuffer::new(cholesky_in_place_scratch::<f64>(
+                n_eliminated,
+                Par::Seq,
+                Spec::default(),
+            )),
+            local: vec![0.0; most(|s| s.vars.len())],
+        }
+    }
+}
+
+/// How the matrices of elements come into the fronts.
+struct Assembler<'b, B, A> {
+    symbolic: &'b [Symbolic],
+    begin: &'b B,
+    assemble: &'b A,
+    /// Set once a pivot is not positive.
+    failed: &'b AtomicBool,
+}
+
+impl<'m, B: Fn(usize) -> Option<&'m [f64]>, A> Assembler<'_, B, A> {
+    /// Assembles and eliminates the front of element `e`, which has its panel, with the Schur complements of others: the element,
+    /// and the matrix.
+    fn front<S>(
+        &self,
+        (e, panel): (usize, &mut [f64]),
+        carried: [Option<(usize, &[f64])>; 2],
+        (schur, stack): (&mut [f64], &mut MemBuffer),
+        state: &mut S,
+    ) -> Result<(), NotPositiveDefinite>
+    where
+        A: Fn(&mut S, usize, &mut Assembly<'_>),
+    {
+        let symbolic = &self.symbolic[e];
+        let (n_front, n_eliminated) = (symbolic.vars.len(), symbolic.n_eliminated);
+        let n_rest = n_front - n_eliminated;
+        let mut front = Assembly {
+            panel,
+            schur: &mut schur[..n_rest * n_rest],
+            n_front,
+            n_eliminated,
+            of_element: &symbolic.of_element,
+        };
+        match (self.begin)(e) {
+            Some(matrix) => {
+                front.set_symmetric(&symbolic.runs, symbolic.of_element.len(), matrix);
+            }
+            None => front.clear(),
+        }
+        for (from, matrix) in carried.into_iter().flatten() {
+            let from = &self.symbolic[from];
+            front.add_symmetric(&from.of_carried, from.n_carried(), matrix);
+        }
+        (self.assemble)(state, e, &mut front);
+        let stack = MemStack::new(stack);
+        eliminate(
+            panel,
+            &mut schur[..n_rest * n_rest],
+            n_front,
+            n_eliminated,
+            stack,
+        )
+        .map_err(|()| self.failed.store(true, Ordering::Relaxed))
+        .map_err(|()| NotPositiveDefinite)
+    }
+
+    /// One half, in the order in which its elements come with their panels; the last one, whose Schur complement is left.
+    fn half<'p, S>(
+        &self,
+        order: impl Iterator<Item = (usize, &'p mut Vec<f64>)>,
+        buffers: &mut Buffers,
+        state: &mut S,
+    ) -> Result<Option<usize>, NotPositiveDefinite>
+    where
+        A: Fn(&mut S, usize, &mut Assembly<'_>),
+    {
+        let [before, now] = &mut buffers.schur;
+        let mut last = None;
+        for (e, panel) in order {
+            if self.failed.load(Ordering::Relaxed) {
+                return Err(NotPositiveDefinite);
+            }
+            let carried = last.map(|from| (from, &before[..]));
+            let out = (&mut now[..], &mut buffers.stack);
+            self.front((e, panel), [carried, None], out, state)?;
+            std::mem::swap(before, now);
+            last = Some(e);
+        }
+        Ok(last)
+    }
 }
 
 impl Fronts {
@@ -61,128 +154,136 @@ impl Fronts {
     /// # Panics
     /// If a variable belongs to no element: such a problem is ill-posed by construction.
     pub fn new(structure: &Structure) -> Self {
-        let symbolic = analyse(structure);
-        let panels = symbolic
-            .iter()
-            .map(|s| vec![0.0; s.vars.len() * s.n_eliminated])
-            .collect();
-        let n_schur = symbolic
-            .iter()
-            .map(|s| s.vars.len() - s.n_eliminated)
-            .max()
-            .unwrap_or(0);
-        let n_elim = symbolic.iter().map(|s| s.n_eliminated).max().unwrap_or(0);
-        let scratch = MemBuffer::new(cholesky_in_place_scratch::<f64>(
-            n_elim,
-            Par::Seq,
-            Spec::default(),
-        ));
-        let n_front = symbolic.iter().map(|s| s.vars.len()).max().unwrap_or(0);
+        let Elimination {
+            fronts: symbolic,
+            middle,
+        } = Elimination::new(structure);
+        let panel = |s: &Symbolic| vec![0.0; s.vars.len() * s.n_eliminated];
+        let second = symbolic.iter().skip(middle + 1);
         Self {
-            symbolic,
+            middle,
             fixed: (0..structure.n_vars)
                 .filter(|&v| structure.is_fixed(v))
                 .collect(),
-            panels,
-            schur: [vec![0.0; n_schur * n_schur], vec![0.0; n_schur * n_schur]],
-            scratch,
-            local: vec![0.0; n_front],
+            second: second
+                .flat_map(|s| &s.vars[..s.n_eliminated])
+                .copied()
+                .collect(),
+            panels: symbolic.iter().map(panel).collect(),
+            buffers: [Buffers::new(&symbolic), Buffers::new(&symbolic)],
+            second_rhs: vec![0.0; structure.n_vars],
+            symbolic,
         }
     }
 
-    /// Factorises; `assemble` adds the matrix of each element, in order.
+    /// Number of elements in the first half, the middle one with them.
+    pub(crate) fn n_first(&self) -> usize {
+        (self.middle + 1).min(self.symbolic.len())
+    }
+
+    /// Factorises; `assemble` adds the matrix of each element.
     ///
     /// # Errors
-    /// [`NotPositiveDefinite`] at the first pivot that is not positive.
+    /// [`NotPositiveDefinite`] if a pivot is not positive.
     pub fn factorise(
         &mut self,
-        assemble: impl FnMut(usize, &mut Assembly<'_>),
+        assemble: impl Fn(usize, &mut Assembly<'_>) + Sync,
     ) -> Result<(), NotPositiveDefinite> {
-        self.factorise_from(|_| None, assemble)
+        let states = [&mut (), &mut ()];
+        self.factorise_from(1, states, |_| None, |(), e, front| assemble(e, front))
     }
 
-    /// The same where every element begins with a symmetric matrix over its variables, given by its lower triangle.
-    pub(crate) fn factorise_from<'a>(
+    /// The same on so many threads, where every element begins with a symmetric matrix over its variables, given by its lower
+    /// triangle, and each half has a state of its own; the middle element is one of the first half.
+    pub(crate) fn factorise_from<'m, S: Send>(
         &mut self,
-        begin: impl Fn(usize) -> Option<&'a [f64]>,
-        mut assemble: impl FnMut(usize, &mut Assembly<'_>),
+        threads: usize,
+        [first, second]: [&mut S; 2],
+        begin: impl Fn(usize) -> Option<&'m [f64]> + Sync,
+        assemble: impl Fn(&mut S, usize, &mut Assembly<'_>) + Sync,
     ) -> Result<(), NotPositiveDefinite> {
-        let [now, next] = &mut self.schur;
-        let mut carried = 0;
-        for (e, symbolic) in self.symbolic.iter().enumerate() {
-            let (n_front, n_elim) = (symbolic.vars.len(), symbolic.n_eliminated);
-            let n_rest = n_front - n_elim;
-            let panel = &mut self.panels[e];
-            let mut front = Assembly {
-                panel,
-                schur: &mut next[..n_rest * n_rest],
-                n_front,
-                n_eliminated: n_elim,
-                of_element: &symbolic.of_element,
-            };
-            match begin(e) {
-                Some(matrix) => {
-                    front.set_symmetric(&symbolic.runs, symbolic.of_element.len(), matrix);
-                }
-                None => front.clear(),
-            }
-            if e > 0 {
-                front.add_symmetric(&self.symbolic[e - 1].of_carried, carried, now);
-            }
-            assemble(e, &mut front);
-            let stack = MemStack::new(&mut self.scratch);
-            eliminate(panel, &mut next[..n_rest * n_rest], n_front, n_elim, stack)
-                .map_err(|()| NotPositiveDefinite { element: e })?;
-            std::mem::swap(now, next);
-            carried = n_rest;
-        }
-        Ok(())
+        let assembler = Assembler {
+            symbolic: &self.symbolic,
+            begin: &begin,
+            assemble: &assemble,
+            failed: &AtomicBool::new(false),
+        };
+        let middle = self.middle;
+        let (before, rest) = self.panels.split_at_mut(middle);
+        let Some((panel, after)) = rest.split_first_mut() else {
+            return Ok(());
+        };
+        let [first_buffers, second_buffers] = &mut self.buffers;
+        let upwards = (0..).zip(before);
+        let downwards = (middle + 1..self.symbolic.len()).zip(after).rev();
+        let (last, next) = join(
+            threads,
+            || assembler.half(upwards, first_buffers, &mut *first),
+            || assembler.half(downwards, second_buffers, second),
+        );
+        let carried = [
+            last?.map(|from| (from, &first_buffers.schur[0][..])),
+            next?.map(|from| (from, &second_buffers.schur[0][..])),
+        ];
+        let out = (&mut [][..], &mut first_buffers.stack);
+        assembler.front((middle, panel), carried, out, first)
     }
 
     /// Solves in place with the last factorisation; `rhs` over all variables, of which the fixed ones become zero.
     pub fn solve(&mut self, rhs: &mut [f64]) {
+        self.solve_then(1, rhs, |_| (), |_| ());
+    }
+
+    /// The same on so many threads; as soon as the variables of one half's elements have their values, these are handed on.
+    pub(crate) fn solve_then(
+        &mut self,
+        threads: usize,
+        rhs: &mut [f64],
+        first_then: impl FnOnce(&[f64]),
+        second_then: impl FnOnce(&[f64]) + Send,
+    ) {
         for &v in &self.fixed {
             rhs[v] = 0.0;
         }
-        self.forward(rhs);
-        self.backward(rhs);
-    }
-
-    /// The first half of [`Fronts::solve`]: with the factor L, `rhs` becomes L⁻¹ rhs.
-    fn forward(&mut self, rhs: &mut [f64]) {
-        for (symbolic, panel) in self.symbolic.iter().zip(&self.panels) {
-            let (n, m) = (symbolic.vars.len(), symbolic.n_eliminated);
-            let b = &mut self.local[..n];
-            for (x, &v) in b.iter_mut().zip(&symbolic.vars) {
-                *x = rhs[v];
-            }
-            for j in 0..m {
-                let column = &panel[j * n..(j + 1) * n];
-                let x = b[j] / column[j];
-                b[j] = x;
-                add_scaled(&mut b[j + 1..], &column[j + 1..], -x);
-            }
-            for (x, &v) in b.iter().zip(&symbolic.vars) {
-                rhs[v] = *x;
-            }
+        let second_rhs = &mut self.second_rhs;
+        for &v in &self.second {
+            second_rhs[v] = rhs[v];
         }
-    }
-
-    /// The second half of [`Fronts::solve`]: `rhs` becomes L⁻ᵀ rhs.
-    fn backward(&mut self, rhs: &mut [f64]) {
-        for (symbolic, panel) in self.symbolic.iter().zip(&self.panels).rev() {
-            let (n, m) = (symbolic.vars.len(), symbolic.n_eliminated);
-            let b = &mut self.local[..n];
-            for (x, &v) in b.iter_mut().zip(&symbolic.vars) {
-                *x = rhs[v];
-            }
-            for j in (0..m).rev() {
-                let column = &panel[j * n..(j + 1) * n];
-                b[j] = (b[j] - dot(&column[j + 1..], &b[j + 1..])) / column[j];
-            }
-            for (x, &v) in b[..m].iter().zip(&symbolic.vars) {
-                rhs[v] = *x;
-            }
+        let factors = || self.symbolic.iter().zip(&self.panels);
+        let (first, second) = (factors().take(self.middle), factors().skip(self.middle + 1));
+        let Some(middle) = factors().nth(self.middle) else {
+            return;
+        };
+        for &v in &middle.0.vars {
+            second_rhs[v] = 0.0;
+        }
+        let [here, there] = self.buffers.each_mut().map(|b| &mut b.local[..]);
+        join(
+            threads,
+            || (first.clone()).for_each(|front| forward(front, here, rhs)),
+            || (second.clone().rev()).for_each(|front| forward(front, there, second_rhs)),
+        );
+        for &v in &middle.0.vars {
+            rhs[v] += second_rhs[v];
+        }
+        forward(middle, here, rhs);
+        backward(middle, here, rhs);
+        for &v in &middle.0.vars {
+            second_rhs[v] = rhs[v];
+        }
+        join(
+            threads,
+            || {
+                first.rev().for_each(|front| backward(front, here, rhs));
+                first_then(rhs);
+            },
+            || {
+                second.for_each(|front| backward(front, there, second_rhs));
+                second_then(second_rhs);
+            },
+        );
+        for &v in &self.second {
+            rhs[v] = second_rhs[v];
         }
     }
 
@@ -193,7 +294,42 @@ impl Fronts {
 
     /// Bytes held by the factor and its buffers.
     pub fn memory(&self) -> usize {
-        8 * (self.panels.iter().map(Vec::len).sum::<usize>() + self.schur[0].len() * 2)
+        let schur = self.buffers.iter().flat_map(|b| &b.schur);
+        8 * self.panels.iter().chain(schur).map(Vec::len).sum::<usize>()
+    }
+}
+
+/// With the factor L of one front, its part of `rhs` becomes L⁻¹ rhs; what is carried is changed too.
+fn forward((symbolic, panel): (&Symbolic, &Vec<f64>), local: &mut [f64], rhs: &mut [f64]) {
+    let (n, m) = (symbolic.vars.len(), symbolic.n_eliminated);
+    let b = &mut local[..n];
+    for (x, &v) in b.iter_mut().zip(&symbolic.vars) {
+        *x = rhs[v];
+    }
+    for j in 0..m {
+        let column = &panel[j * n..(j + 1) * n];
+        let x = b[j] / column[j];
+        b[j] = x;
+        add_scaled(&mut b[j + 1..], &column[j + 1..], -x);
+    }
+    for (x, &v) in b.iter().zip(&symbolic.vars) {
+        rhs[v] = *x;
+    }
+}
+
+/// Its part of `rhs` becomes L⁻ᵀ rhs.
+fn backward((symbolic, panel): (&Symbolic, &Vec<f64>), local: &mut [f64], rhs: &mut [f64]) {
+    let (n, m) = (symbolic.vars.len(), symbolic.n_eliminated);
+    let b = &mut local[..n];
+    for (x, &v) in b.iter_mut().zip(&symbolic.vars) {
+        *x = rhs[v];
+    }
+    for j in (0..m).rev() {
+        let column = &panel[j * n..(j + 1) * n];
+        b[j] = (b[j] - dot(&column[j + 1..], &b[j + 1..])) / column[j];
+    }
+    for (x, &v) in b[..m].iter().zip(&symbolic.vars) {
+        rhs[v] = *x;
     }
 }
 
@@ -237,47 +373,4 @@ fn eliminate(
         Par::Seq,
     );
     Ok(())
-}
-
-fn analyse(structure: &Structure) -> Vec<Symbolic> {
-    let mut last = vec![usize::MAX; structure.n_vars];
-    for (e, element) in structure.elements.iter().enumerate() {
-        for &v in &element.vars {
-            last[v] = e;
-        }
-    }
-    assert!(
-        last.iter().all(|&e| e != usize::MAX),
-        "every variable belongs to an element"
-    );
-    let mut fronts: Vec<Symbolic> = Vec::with_capacity(structure.elements.len());
-    let mut position = vec![NOWHERE; structure.n_vars];
-    let mut carried: Vec<usize> = Vec::new();
-    for (e, element) in structure.elements.iter().enumerate() {
-        // In the element's own order where possible, so that its matrix is added in few runs.
-        let mut vars: Vec<usize> = Vec::new();
-        for &v in element.vars.iter().chain(&carried) {
-            if !structure.is_fixed(v) && !vars.contains(&v) {
-                vars.push(v);
-            }
-        }
-        vars.sort_by_key(|&v| last[v] != e);
-        let n_eliminated = vars.iter().filter(|&&v| last[v] == e).count();
-        for (i, &v) in vars.iter().enumerate() {
-            position[v] = i;
-        }
-        if let Some(previous) = fronts.last_mut() {
-            previous.of_carried = runs(carried.iter().map(|&v| position[v]));
-        }
-        let of_element: Vec<usize> = element.vars.iter().map(|&v| position[v]).collect();
-        carried = vars[n_eliminated..].to_vec();
-        fronts.push(Symbolic {
-            vars,
-            n_eliminated,
-            runs: runs(of_element.iter().copied()),
-            of_element,
-            of_carried: Vec::new(),
-        });
-    }
-    fronts
 }

@@ -16,6 +16,7 @@
 mod assembly;
 mod barrier;
 mod columns;
+mod elimination;
 mod filter;
 pub mod front;
 pub mod interior_point;
@@ -25,6 +26,7 @@ mod options;
 mod problem;
 mod products;
 mod report;
+pub mod threads;
 mod wide_rows;
 
 pub use interior_point::InteriorPoint;

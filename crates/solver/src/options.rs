@@ -41,6 +41,8 @@ pub struct Options {
     pub stall_iterations: usize,
     /// Stop ([`crate::Status::Enough`]) at a point that is so near to a solution; `None`: go on to the solution.
     pub enough: Option<Enough>,
+    /// Threads that factorise and solve the Newton systems; two at most are of use. The results are the same.
+    pub threads: usize,
 }
 
 /// What changes where the Newton system has the wrong inertia, until it has the right one.
@@ -111,6 +113,7 @@ impl Default for Options {
             time_limit: f64::INFINITY,
             stall_iterations: 15,
             enough: None,
+            threads: 1,
         }
     }
 }

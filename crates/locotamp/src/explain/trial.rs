@@ -98,7 +98,7 @@ impl<'a> Trials<'a> {
         self.solves += 1;
         let planner = Planner::new(scene).ok()?;
         check_start(scene, &planner).ok()?;
-        let mut settings = search::settings(scene, self.request).ok()?;
+        let mut settings = search::settings_of_one(scene, self.request).ok()?;
         settings.ending = Ending::Exact;
         let mut phases = phases.to_vec();
         if effort == Effort::Coarse {

@@ -134,8 +134,9 @@ pub fn plan(
         (begin, request.time_limit, request.stop.clone()),
         (journal, too_heavy),
     );
+    let places = request.thread_count().min(IN_FLIGHT);
     thread::scope(|scope| {
-        let workers = Workers::start(scope, IN_FLIGHT, threads(request), shop);
+        let workers = Workers::start(scope, IN_FLIGHT, places, shop);
         let mut run = Run {
             shop,
             request,
@@ -195,16 +196,6 @@ fn policy(
     }
 }
 
-fn threads(request: &Request) -> usize {
-    let processors = thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    let wanted = if request.threads == 0 {
-        processors
-    } else {
-        request.threads
-    };
-    wanted.min(IN_FLIGHT)
-}
-
 /// The problem's options for a request.
 pub(crate) fn settings(scene: &Scene, request: &Request) -> Result<Settings, Error> {
     if request.preset == Preset::Paper && request.integrator != Integrator::Euler {
@@ -224,6 +215,12 @@ pub(crate) fn settings(scene: &Scene, request: &Request) -> Result<Settings, Err
         },
         ..settings
     })
+}
+
+/// The same for a motion that all threads work on.
+pub(crate) fn settings_of_one(scene: &Scene, request: &Request) -> Result<Settings, Error> {
+    let threads = request.thread_count();
+    settings(scene, request).map(|all| Settings { threads, ..all })
 }
 
 /// A motion that violates its constraints.

@@ -11,7 +11,7 @@ use super::{Nearest, Run};
 use crate::api::{Alternative, Attempt, Event, Found, Outcome, Reached, Request};
 use crate::journal::{self, PointEntry, Tried};
 use crate::refine::{self, Refined};
-use ocp::Motion;
+use ocp::{Motion, Settings};
 use symbolic::Sequence;
 
 /// Motions that others may start from.
@@ -346,7 +346,13 @@ impl Run<'_> {
 
     /// The cheapest plan whose motion can be refined; if none can, or it is not `wanted`, the cheapest as it is.
     pub fn refine_best(&mut self, wanted: bool) -> Option<Found> {
-        let (planner, settings) = (self.shop.planner, self.shop.settings);
+        let planner = self.shop.planner;
+        let turns = self.workers.turns.clone();
+        let _all = turns.all();
+        let settings = &Settings {
+            threads: self.request.thread_count(),
+            ..self.shop.settings.clone()
+        };
         let mut first: Option<(Motion, Refined, Vec<String>)> = None;
         let request = Request {
             refinement: self.request.refinement.filter(|_| wanted),

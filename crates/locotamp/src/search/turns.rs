@@ -14,6 +14,7 @@ pub(super) struct Turns {
 }
 
 struct State {
+    places: usize,
     free: usize,
     /// By number of the sequence: its clock, and whether it has a place.
     jobs: BTreeMap<usize, (u64, bool)>,
@@ -37,6 +38,7 @@ impl Turns {
     /// For `places` motions at the same time.
     pub fn new(places: usize) -> Self {
         let state = State {
+            places,
             free: places,
             jobs: BTreeMap::new(),
         };
@@ -55,6 +57,13 @@ impl Turns {
             turns: self,
             number,
         }
+    }
+
+    /// Waits for all places: before all motions, which wait in their turn until the places are given back.
+    pub fn all(&self) -> Vec<Turn<'_>> {
+        let places = self.lock().places;
+        let turn = |place| self.enter(usize::MAX - place, 0);
+        (0..places).map(turn).collect()
     }
 
     fn wait(&self, mut state: MutexGuard<'_, State>, number: usize) {
@@ -110,8 +119,10 @@ impl Drop for Turn<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
     use std::sync::mpsc::channel;
     use std::thread;
+    use std::time::Duration;
 
     #[test]
     fn one_place_is_shared_so_that_all_advance_alike() {
@@ -140,6 +151,31 @@ mod tests {
         let clocks: Vec<u64> = order.iter().map(|&(clock, _)| clock).collect();
         assert_eq!(order.len(), 12);
         assert!(clocks.is_sorted(), "the least advanced goes on: {order:?}");
+    }
+
+    #[test]
+    fn motions_stand_still_while_all_places_are_taken() {
+        let turns = Turns::new(2);
+        let (steps, ended) = (AtomicUsize::new(0), AtomicBool::new(false));
+        thread::scope(|scope| {
+            scope.spawn(|| {
+                let turn = turns.enter(1, 1);
+                while !ended.load(Ordering::SeqCst) {
+                    turn.worked(1);
+                    steps.fetch_add(1, Ordering::SeqCst);
+                }
+            });
+            while steps.load(Ordering::SeqCst) == 0 {
+                thread::yield_now();
+            }
+            let all = turns.all();
+            let before = steps.load(Ordering::SeqCst);
+            thread::sleep(Duration::from_millis(5));
+            assert_eq!(steps.load(Ordering::SeqCst), before);
+            ended.store(true, Ordering::SeqCst);
+            drop(all);
+        });
+        assert_eq!(turns.lock().free, 2);
     }
 
     #[test]

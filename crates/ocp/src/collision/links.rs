@@ -317,6 +317,14 @@ impl SelfPair {
     }
 
     /// Least distance of the shapes, or minus their depth [m].
+    /// True of shapes that do not overlap for sure, more than in the home posture or not.
+    pub fn is_far(&self, kinematics: &Kinematics) -> bool {
+        let (centre, radius) = self.bound;
+        let p = from_link(kinematics, self.a, self.b).act(centre);
+        let near = |part: &Part| part.rough_distance(&p) <= radius + super::FAR;
+        !self.parts.iter().any(near)
+    }
+
     fn distance(&self, kinematics: &Kinematics) -> f64 {
         let b_from_a = from_link(kinematics, self.a, self.b);
         let mut least = f64::INFINITY;

@@ -12,6 +12,7 @@ mod passages;
 #[cfg(test)]
 pub(crate) mod samples;
 mod shared;
+mod touches;
 mod watch;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -68,6 +69,9 @@ struct Primitive {
 
 /// Two bodies in contact: joint, and joint or static body.
 type Touch = (usize, Other);
+
+/// Distance of balls around bodies from which on these do not overlap for sure [m].
+const FAR: f64 = 0.02;
 
 impl Primitive {
     /// Is it one of this body.
@@ -244,7 +248,8 @@ impl CollisionModel {
         worst
     }
 
-    /// Calls `see(depth, a, b)` for every pair of bodies that do not touch; a negative depth is a distance.
+    /// Calls `see(depth, a, b)` for pairs of bodies that do not touch, those that overlap among them; a negative depth is a
+    /// distance.
     fn overlaps(
         &self,
         kinematics: &Kinematics,
@@ -252,14 +257,19 @@ impl CollisionModel {
         see: &mut dyn FnMut(f64, usize, Other),
     ) {
         for a in 0..self.balls.len() {
+            let (centre, radius) = self.bounds[a];
             for primitive in &self.primitives {
                 let Some(other) = primitive.joint.map(Ok).or(primitive.body.map(Err)) else {
                     continue;
                 };
-                if primitive.joint == Some(a) || self.balls[a].is_empty() || touching(a, other) {
+                if primitive.joint == Some(a) || self.balls[a].is_empty() {
                     continue;
                 }
                 let x = primitive.pose_of_joint(kinematics, a);
+                let far = primitive.obstacle.roughly_nearest(&x.act(centre)) > radius + FAR;
+                if far || touching(a, other) {
+                    continue;
+                }
                 let depth = self.balls[a]
                     .iter()
                     .map(|(c, r)| r - primitive.obstacle.nearest(&x.act(*c)))
@@ -277,6 +287,9 @@ impl CollisionModel {
             }
         }
         for pair in &self.self_pairs {
+            if pair.is_far(kinematics) {
+                continue;
+            }
             see(-pair.beyond_home(kinematics), pair.a, Ok(pair.b));
         }
     }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::edges::edge_row;
 use super::shared::Shared;
+use super::touches::{Since, Touches};
 use super::{Ball, Clearances, CollisionModel, Crossings, Other, Primitive, Touch};
 use crate::program::{Grid, Phase, Program, landing};
 use crate::settings::Preset;
@@ -13,6 +14,7 @@ use crate::terms::distance::{Distance, EVENNESS, MOST_CLEARANCE, Obstacle, Part}
 use crate::terms::sigmoid::Sigmoid;
 use multibody::Kinematics;
 use scene::Scene;
+use solver::threads;
 use spatial::Pose;
 
 /// A pair of bodies nearer than this in the guide configurations gets a row [m].
@@ -88,15 +90,6 @@ pub struct Pair {
     pub term: Arc<dyn PoseTerm>,
 }
 
-/// The nearest contact of a pair in time.
-#[derive(Debug, Clone, Copy)]
-struct Since {
-    /// Sixteenths of a phase between it and the node.
-    parts: f64,
-    /// Node of the contact.
-    node: usize,
-}
-
 /// Guide configurations that count for a node, and how long ago pairs touched.
 pub(super) struct At<'a> {
     pub(super) node: usize,
@@ -104,9 +97,7 @@ pub(super) struct At<'a> {
     pub(super) window: &'a [&'a Kinematics],
     /// These and those of earlier rounds.
     window_of_edges: &'a [&'a Kinematics],
-    since: &'a dyn Fn(usize, Other) -> Option<Since>,
-    /// The same where the first one touches an object that touches the other.
-    through: &'a dyn Fn(usize, Other) -> Option<Since>,
+    touches: &'a Touches,
     /// Sixteenths of a phase since each body, and its neighbours, stopped standing where they stand at the start.
     from_start: &'a [f64],
     /// Bodies that touch by points alone, and how far these are inside the first one [m].
@@ -116,7 +107,17 @@ pub(super) struct At<'a> {
 impl At<'_> {
     /// True if the pair touches at the node.
     fn touches(&self, a: usize, other: Other) -> bool {
-        (self.since)(a, other).is_some_and(|since| since.node == self.node)
+        (self.since(a, other)).is_some_and(|since| since.node == self.node)
+    }
+
+    /// The nearest contact of the pair in time.
+    fn since(&self, a: usize, other: Other) -> Option<Since> {
+        self.touches.since((a, other), self.node)
+    }
+
+    /// The same where the first one touches an object that touches the other.
+    fn since_through(&self, a: usize, other: Other) -> Option<Since> {
+        self.touches.since_through((a, other), self.node)
     }
 }
 
@@ -182,28 +183,9 @@ impl CollisionModel {
             nodes
         };
         let leaves = self.leaves(&touching, &along);
-        let (mut out, mut shared) = (Vec::new(), Shared::default());
-        for t in 0..=n {
-            if program.nodes[t].var.is_none() || program.master_node(t) != t {
-                continue;
-            }
-            let nearest = |touch: &dyn Fn(usize) -> bool| -> Option<Since> {
-                (0..=n)
-                    .filter(|&i| touch(i))
-                    .map(|node| Since {
-                        parts: f64::abs(along[node] - along[t]),
-                        node,
-                    })
-                    .min_by(|x, y| x.parts.total_cmp(&y.parts))
-            };
-            let since = |a: usize, other: Other| nearest(&|i| touching[i].contains(&(a, other)));
-            let through = |a: usize, other: Other| {
-                let touches = |i: usize, object: usize| {
-                    touching[i].contains(&(a, Ok(object))) && touching[i].contains(&(object, other))
-                };
-                let objects = program.system.n_robot_joints..model.joints.len();
-                nearest(&|i| objects.clone().any(|o| touches(i, o)))
-            };
+        let objects = program.system.n_robot_joints..model.joints.len();
+        let touches = Touches::new(&touching, along.clone(), &objects);
+        let at_node = |t: usize, shared: &mut Shared, out: &mut Vec<Pair>| {
             let nodes = window(t);
             let window: Vec<_> = nodes.iter().map(|&i| &kinematics[i]).collect();
             let before = earlier.iter().flat_map(|k| nodes.iter().map(|&i| &k[i]));
@@ -214,26 +196,37 @@ impl CollisionModel {
                 kinematics: &kinematics,
                 window: &window,
                 window_of_edges: &window_of_edges,
-                since: &since,
-                through: &through,
+                touches: &touches,
                 from_start: &leaves
                     .iter()
                     .map(|left| along[t] - left)
                     .collect::<Vec<_>>(),
                 points: &points,
             };
-            self.obstacle_pairs(program, &at, &mut shared, &mut out);
+            self.obstacle_pairs(program, &at, shared, out);
             if program.settings.preset == Preset::Default {
-                self.link_pairs(program, &at, &mut shared, &mut out);
+                self.link_pairs(program, &at, shared, out);
             } else {
-                self.link_penalties(&at, &mut out);
+                self.link_penalties(&at, out);
             }
-        }
+        };
+        let is_own = |&t: &usize| program.nodes[t].var.is_some() && program.master_node(t) == t;
+        let nodes: Vec<usize> = (0..=n).filter(is_own).collect();
+        let size = nodes.len().div_ceil(program.settings.threads.max(1));
+        let part = |nodes| (nodes, Shared::default(), Vec::new());
+        let mut parts: Vec<_> = nodes.chunks(size.max(1)).map(part).collect();
+        threads::each(parts.iter_mut(), |(nodes, shared, out)| {
+            for &t in *nodes {
+                at_node(t, shared, out);
+            }
+        });
+        let mut out: Vec<Pair> = parts.into_iter().flat_map(|part| part.2).collect();
+        let of_nodes = (near, &kinematics[..]);
         self.crossing_pairs(
             program,
-            (near, &kinematics),
+            of_nodes,
             crossings,
-            &mut shared,
+            &mut Shared::default(),
             &mut out,
         );
         out
@@ -359,9 +352,9 @@ impl CollisionModel {
         } else {
             margins.clearance
         };
-        let own = (at.since)(a, other);
+        let own = at.since(a, other);
         let neighbours = self.neighbours[a].iter();
-        let beside = neighbours.filter_map(|&j| (at.since)(j, other));
+        let beside = neighbours.filter_map(|&j| at.since(j, other));
         let sooner = |x: &Since, y: &Since| x.parts.total_cmp(&y.parts);
         let beside = beside.min_by(sooner);
         let rise = |parts: f64| landing::rise(program, at.node, parts).unwrap_or(RAMP.1 * parts);
@@ -380,7 +373,7 @@ impl CollisionModel {
         demanded = demanded.min(full);
         // Where an object that is held stands, the hand that holds it, and its wrist, is as near as the grasp makes it.
         let limb = self.neighbours[a].iter().copied().chain([a]);
-        let through = limb.filter_map(|j| (at.through)(j, other));
+        let through = limb.filter_map(|j| at.since_through(j, other));
         if let Some(since) = through.min_by(sooner) {
             demanded = demanded.min(THROUGH * full + rise(since.parts));
         }

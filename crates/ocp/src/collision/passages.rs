@@ -8,6 +8,7 @@ use super::{CollisionModel, Other, Touch};
 use crate::program::{Phase, Program};
 use multibody::Kinematics;
 use scene::Scene;
+use solver::threads;
 
 /// Shares of the way between two nodes at which bodies are looked at.
 const SHARES: [f64; 3] = [0.25, 0.5, 0.75];
@@ -31,11 +32,14 @@ pub struct Crossing {
     pub depth: f64,
 }
 
+/// Interval, joint of the first body, and the second one.
+pub type Way = (usize, usize, Other);
+
 /// What rounds of solving have found so far, so that rows that mend it stay.
 #[derive(Debug, Default)]
 pub struct Crossings {
     /// Crossings by interval, joint of the first body, and the second one.
-    pub ways: BTreeMap<(usize, usize, Other), Vec<Crossing>>,
+    pub ways: BTreeMap<Way, Vec<Crossing>>,
     /// Configurations per node of earlier rounds. An edge that goes through a face in one of them may do so again if nothing
     /// keeps it out.
     pub earlier: Vec<Vec<Vec<f64>>>,
@@ -60,13 +64,45 @@ impl CollisionModel {
         nodes: &[Vec<f64>],
         known: &mut Crossings,
     ) -> bool {
+        let intervals: Vec<_> = (0..program.n_intervals())
+            .filter(|&t| program.moves(t))
+            .collect();
+        let size = intervals.len().div_ceil(program.settings.threads.max(1));
+        let chunks = intervals.chunks(size.max(1));
+        let mut found: Vec<_> = chunks.map(|part| (part, vec![])).collect();
+        threads::each(found.iter_mut(), |(part, found)| {
+            let mut kinematics = Kinematics::new(&program.system.model);
+            for &t in *part {
+                let touching = |t: usize| Self::touching(scene, program, phases, t);
+                let both = &touching(t) & &touching(t + 1);
+                found.extend(self.deepest_on_way(program, (t, nodes), &both, &mut kinematics));
+            }
+        });
+        let mut any = false;
+        for (pair, crossing) in found.into_iter().flat_map(|(_, found)| found) {
+            any = true;
+            let known = known.ways.entry(pair).or_default();
+            if known.iter().all(|c| c.share != crossing.share) {
+                known.push(crossing);
+            }
+        }
+        any
+    }
+
+    /// The deepest crossing of each pair, of those that touch at both nodes none, on the way from node `t` to the next one.
+    fn deepest_on_way(
+        &self,
+        program: &Program,
+        (t, nodes): (usize, &[Vec<f64>]),
+        touching: &BTreeSet<Touch>,
+        kinematics: &mut Kinematics,
+    ) -> impl Iterator<Item = (Way, Crossing)> + use<> {
         let model = &program.system.model;
-        let mut kinematics = Kinematics::new(model);
-        let mut overlaps = |q: &[f64], touching: &BTreeSet<Touch>| {
+        let mut overlaps = |q: &[f64]| {
             kinematics.update(model, q);
             let mut found = BTreeMap::new();
             self.overlaps(
-                &kinematics,
+                kinematics,
                 &|a, b| touching.contains(&(a, b)),
                 &mut |depth, a, other| {
                     let deepest = found.entry((a, other)).or_insert(f64::NEG_INFINITY);
@@ -75,44 +111,31 @@ impl CollisionModel {
             );
             found
         };
-        let touching = |t: usize| Self::touching(scene, program, phases, t);
-        let mut any = false;
-        for t in (0..program.n_intervals()).filter(|&t| program.moves(t)) {
-            let way = model.difference(&nodes[t], &nodes[t + 1]);
-            let mut joints = program.system.actuated();
-            let short = joints.all(|joint| way[joint.idx_v].abs() < SHORT);
-            let both = &touching(t) & &touching(t + 1);
-            let mut ends = None;
-            let mut deepest = BTreeMap::new();
-            for &share in if short { &HALF_WAY[..] } else { &SHARES } {
-                let part: Vec<f64> = way.iter().map(|d| share * d).collect();
-                let here = overlaps(&model.integrate(&nodes[t], &part), &both);
-                for (&(a, other), &depth) in here.iter().filter(|(_, depth)| **depth > TOLERANCE) {
-                    let ends =
-                        ends.get_or_insert_with(|| [t, t + 1].map(|i| overlaps(&nodes[i], &both)));
-                    // At the nodes rows say how deep bodies that just touched may be in one another.
-                    let at_ends = ends.iter().filter_map(|end| end.get(&(a, other)));
-                    let at_nodes = at_ends.fold(0.0, |most: f64, &end| most.max(end));
-                    let crossing = Crossing {
-                        share,
-                        at_nodes,
-                        depth: depth - at_nodes,
-                    };
-                    let most = deepest.entry((t, a, other)).or_insert(crossing);
-                    if crossing.depth > most.depth {
-                        *most = crossing;
-                    }
-                }
-            }
-            for (pair, crossing) in deepest.into_iter().filter(|(_, c)| c.depth > TOLERANCE) {
-                any = true;
-                let known = known.ways.entry(pair).or_default();
-                if known.iter().all(|c| c.share != crossing.share) {
-                    known.push(crossing);
+        let way = model.difference(&nodes[t], &nodes[t + 1]);
+        let mut joints = program.system.actuated();
+        let short = joints.all(|joint| way[joint.idx_v].abs() < SHORT);
+        let mut ends = None;
+        let mut deepest = BTreeMap::new();
+        for &share in if short { &HALF_WAY[..] } else { &SHARES } {
+            let part: Vec<f64> = way.iter().map(|d| share * d).collect();
+            let here = overlaps(&model.integrate(&nodes[t], &part));
+            for (&(a, other), &depth) in here.iter().filter(|(_, depth)| **depth > TOLERANCE) {
+                let ends = ends.get_or_insert_with(|| [t, t + 1].map(|i| overlaps(&nodes[i])));
+                // At the nodes rows say how deep bodies that just touched may be in one another.
+                let at_ends = ends.iter().filter_map(|end| end.get(&(a, other)));
+                let at_nodes = at_ends.fold(0.0, |most: f64, &end| most.max(end));
+                let crossing = Crossing {
+                    share,
+                    at_nodes,
+                    depth: depth - at_nodes,
+                };
+                let most = deepest.entry((t, a, other)).or_insert(crossing);
+                if crossing.depth > most.depth {
+                    *most = crossing;
                 }
             }
         }
-        any
+        deepest.into_iter().filter(|(_, c)| c.depth > TOLERANCE)
     }
 
     /// Rows where bodies cross on the way between nodes.

@@ -11,7 +11,7 @@ use std::time::Instant;
 use super::InteriorPoint;
 use super::state::State;
 use crate::kkt::Diagonals;
-use crate::{Convexification, ElementData, Problem};
+use crate::{Convexification, Problem, threads};
 
 /// Largest shift.
 const MAX_SHIFT: f64 = 1e12;
@@ -130,21 +130,35 @@ impl<P: Problem> InteriorPoint<P> {
         }
         let mut from = from;
         if from == 1.0 {
-            for (newton, data) in self.newton_hessians.iter_mut().zip(&self.data) {
-                newton.copy_from_slice(&data.hessian);
-            }
+            self.each_hessian(|hessian, newton| newton.copy_from_slice(hessian));
             problem.linearise(x, &self.scratch.no_multipliers, &mut self.data);
             from = 0.0;
         }
         if from != to {
             let ratio = (1.0 - to) / (1.0 - from);
-            for (data, newton) in self.data.iter_mut().zip(&self.newton_hessians) {
-                let ElementData { hessian, .. } = data;
+            self.each_hessian(|hessian, newton| {
                 for (h, n) in hessian.iter_mut().zip(newton) {
-                    *h = n + ratio * (*h - n);
+                    *h = *n + ratio * (*h - *n);
+                }
+            });
+        }
+    }
+
+    /// Does something with every column of every element's Hessian, from the diagonal on, and the same of the one kept.
+    fn each_hessian(&mut self, work: impl Fn(&mut [f64], &mut [f64]) + Sync) {
+        let size = self.data.len().div_ceil(self.kkt.threads()).max(1);
+        let kept = self.newton_hessians.chunks_mut(size);
+        threads::each(self.data.chunks_mut(size).zip(kept), |(data, kept)| {
+            for (data, kept) in data.iter_mut().zip(kept) {
+                let mut kept = &mut kept[..];
+                let n = data.gradient.len();
+                for (j, column) in data.hessian.chunks_exact_mut(n.max(1)).enumerate() {
+                    let (here, rest) = kept.split_at_mut(n - j);
+                    work(&mut column[j..], here);
+                    kept = rest;
                 }
             }
-        }
+        });
     }
 
     /// True if the system with this shift is positive definite.

@@ -40,7 +40,7 @@ pub struct InteriorPoint<P: Problem> {
     fixed: Fixed,
     /// Values and derivatives at the current point.
     data: Vec<ElementData>,
-    /// Hessians with all curvature of the rows, where those of `data` have less.
+    /// Hessians with all curvature of the rows, where those of `data` have less; columns from the diagonal on.
     newton_hessians: Vec<Vec<f64>>,
     /// Values at the trial point.
     trial: Vec<ElementData>,
@@ -82,12 +82,15 @@ impl<P: Problem> InteriorPoint<P> {
         let kkt = Kkt::new(structure);
         let (n, m) = (structure.n_vars, kkt.n_rows());
         let unwritten = |length: usize| vec![f64::NAN; length];
+        let triangle = |n: usize| n * (n + 1) / 2;
         Self {
             structure: structure.clone(),
             kkt,
             fixed: Fixed::new(structure),
             data: elements().map(ElementData::new).collect(),
-            newton_hessians: elements().map(|e| unwritten(e.vars.len().pow(2))).collect(),
+            newton_hessians: elements()
+                .map(|e| unwritten(triangle(e.vars.len())))
+                .collect(),
             trial: elements().map(ElementData::of_values).collect(),
             scratch: Scratch {
                 rows: unwritten(m),
@@ -126,6 +129,7 @@ impl<P: Problem> InteriorPoint<P> {
     ) -> Report {
         let begin = Instant::now();
         (self.timing, self.factorisations) = (Timing::default(), 0);
+        self.kkt.set_threads(options.threads);
         if self.structure.contradiction().is_some() {
             return self.refuse(problem, x);
         }

@@ -70,13 +70,18 @@ fn chain(redundant: bool, limit: f64) -> Quadratic {
     }
 }
 
-fn solve(mut program: Quadratic) -> (Vec<f64>, Report) {
+fn solve(program: Quadratic) -> (Vec<f64>, Report) {
+    solve_on(1, program)
+}
+
+fn solve_on(threads: usize, mut program: Quadratic) -> (Vec<f64>, Report) {
     let structure = program.structure.clone();
     let mut x = vec![0.0; structure.n_vars];
     let options = Options {
         dual_tolerance: 1e-7,
         complementarity_tolerance: 1e-8,
         min_barrier: 1e-11,
+        threads,
         ..Options::default()
     };
     let report =
@@ -103,6 +108,15 @@ fn the_least_effort_is_a_straight_line_from_push_to_brake() {
         );
     }
     assert!(report.iterations <= 10, "{} iterations", report.iterations);
+}
+
+#[test]
+fn two_threads_give_the_same_bits_as_one() {
+    let bits = |x: &[f64]| x.iter().map(|x| x.to_bits()).collect::<Vec<u64>>();
+    let [(one, first), (two, second)] = [1, 2].map(|threads| solve_on(threads, chain(true, 0.4)));
+    assert_eq!(first.status, Status::Solved);
+    assert_eq!(bits(&one), bits(&two));
+    assert_eq!(bits(&first.multipliers), bits(&second.multipliers));
 }
 
 #[test]
