@@ -365,7 +365,23 @@ fn margins(scene: &Scene, motion: &Motion, series: &Series) -> Vec<Margin> {
         let reached = foot_load(motion).map(|beyond| demanded + beyond);
         margins.push(distance("foot_load", "N", demanded, reached));
     }
+    if wanted.spare > 0.0 && program.is_fine() {
+        let demanded = wanted.spare * program.system.robot_mass * scene.gravity.norm();
+        let reached = spare_load(motion).map(|share| demanded * share);
+        margins.push(distance("spare_load", "N", demanded, reached));
+    }
     margins
+}
+
+/// What moments of feet keep in reserve at the edge of the area for their centre of pressure, over what they must, where that is
+/// least.
+fn spare_load(motion: &Motion) -> Option<f64> {
+    let program = &motion.trajectory.program;
+    let lower = program.structure.elements.iter().flat_map(|e| &e.row_lower);
+    let rows = program.labels.iter().zip(lower.zip(&motion.report.rows));
+    let pressure =
+        rows.filter(|(label, (lower, _))| label.category == "centre of pressure" && **lower > 0.0);
+    smallest(pressure.map(|(_, (lower, value))| value / lower))
 }
 
 /// By how much feet in contact bear more than they must, where that is least [N].

@@ -155,13 +155,17 @@ pub struct Margins {
     pub ramp: f64,
     /// Share of the robot's weight that a foot in contact bears at least; half of what the ramp allows where that is less.
     pub load: f64,
+    /// Share of the robot's weight whose moment at the edge of the area for a foot's centre of pressure stays in reserve on fine
+    /// grids; less on the ramp.
+    pub spare: f64,
     /// Distance that a contact's edge keeps from the edge of its support [m].
     pub bounds: f64,
 }
 
 impl Margins {
     /// Margins of an executable plan. Half of the sole for the centre of pressure is what a tracking controller in a
-    /// physics simulator needed (benches/runs/2026-11-21-pick-place.md).
+    /// physics simulator needed (benches/runs/2026-11-21-pick-place.md), `spare` what kept feet that bear little from rattling there
+    /// (benches/runs/2026-11-27-spare-load.md).
     pub fn executable() -> Self {
         Self {
             friction: 0.8,
@@ -176,6 +180,7 @@ impl Margins {
             landing: 0.003,
             ramp: 3.0,
             load: 0.05,
+            spare: 0.06,
             bounds: 0.005,
         }
     }
@@ -195,6 +200,7 @@ impl Margins {
             landing: f64::INFINITY,
             ramp: 0.0,
             load: 0.0,
+            spare: 0.0,
             bounds: 0.0,
         }
     }

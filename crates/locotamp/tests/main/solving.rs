@@ -262,4 +262,9 @@ fn a_refined_foot_comes_down_straight_and_takes_up_its_load_below_the_ankle() {
     let load = margins.find(|m| m.name == "foot_load").expect("a margin");
     let reached = load.reached.expect("feet in contact");
     assert!(reached > load.demanded - 1e-3, "{reached} N");
+    let mut margins = found.quality.margins.iter();
+    let spare = margins.find(|m| m.name == "spare_load").expect("a margin");
+    let reached = spare.reached.expect("feet in contact");
+    assert!(spare.demanded > load.demanded, "{} N", spare.demanded);
+    assert!(reached > spare.demanded - 1e-2, "{reached} N");
 }

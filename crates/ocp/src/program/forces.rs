@@ -77,7 +77,9 @@ impl Builder<'_> {
                     if let Some([x, y]) = a.half_size {
                         let half_size = [x * pressure, y * pressure];
                         let (center, half_size) = self.area(contact, half_size, share);
-                        terms.push(Arc::new(Pressure::new(center, half_size, moment)));
+                        let spare = self.spare_load(contact, share);
+                        let term = Pressure::new(center, half_size, moment, spare);
+                        terms.push(Arc::new(term));
                     }
                     if let (true, Some([x, y])) = (b.overhang, b.half_size) {
                         let half_size = [x * pressure, y * pressure];

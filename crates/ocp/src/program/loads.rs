@@ -4,7 +4,8 @@
 //! sixteenths of a phase (margin `ramp`; F times as many on fine grids) or, on grids with velocities, in T_u if that is less:
 //! |f_i| ≤ u W, and for feet
 //! f_n ≥ min(λ W, ½ u W) (margin `load`, λ) and the centre of pressure within max(u, u_0) of its extents around the last
-//! joint, moving to the middle with u.
+//! joint, moving to the middle with u. On fine grids u² σ W of f_n counts for nothing there (margin `spare`, σ), so that feet bear
+//! σ W at least.
 //!
 //! Source: ours. A foot that bears little is turned by any moment that its controller counts on, so it should not stay so for
 //! long; benches/runs/2026-11-23-double-support.md, benches/runs/2026-11-23-calm-landings.md,
@@ -75,6 +76,17 @@ impl Builder<'_> {
         let weights = phases.iter();
         let weights = weights.map(|phase| self.weight_with_load(&phase.state, object, most));
         weights.fold(0.0, f64::max)
+    }
+
+    /// Part of a foot's load on fine grids that counts for nothing in the limits of its centre of pressure [N], with so much of
+    /// the ramp behind it.
+    pub(super) fn spare_load(&self, contact: Contact, ramp: f64) -> f64 {
+        let is_foot = self.scene.interfaces[contact.a.0].role == Role::Foot;
+        if is_foot && self.program.is_fine() {
+            self.program.settings.margins.spare * self.robot_weight() * ramp * ramp
+        } else {
+            0.0
+        }
     }
 
     /// Weight of the robot [N].

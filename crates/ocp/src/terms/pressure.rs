@@ -2,23 +2,26 @@
 //!
 //! Source: paper, eq. (unilateral_patch), |κ_xy| ≤ f_z ξ_xy, with the indices exchanged as they must be (formulation
 //! 2.3): |m_x| ≤ f_n ξ_y, |m_y| ≤ f_n ξ_x, axes of a, f_n = −f_z. Here about a centre c, which need not be the patch's:
-//! |m_x + f_n c_y| ≤ f_n ξ_y, |m_y − f_n c_x| ≤ f_n ξ_x.
+//! |m_x + f_n c_y| ≤ (f_n − s) ξ_y, |m_y − f_n c_x| ≤ (f_n − s) ξ_x, with a part s of the normal force that counts for nothing: the
+//! moment s ξ stays in reserve. A foot that bears little is tipped by small errors of the torques otherwise.
 
 use super::friction::{linear_gradients, linear_rows};
 use super::{ForceHessian, ForceTerm};
 use nalgebra::Vector6;
 use spatial::Pose;
 
-/// Four rows ≥ 0: f_n ξ ∓ m [N·m / scale].
+/// Four rows ≥ s ξ: f_n ξ ∓ m [N·m / scale].
 #[derive(Debug)]
 pub struct Pressure {
     coefficients: [Vector6<f64>; 4],
+    /// s ξ [N·m / scale].
+    reserves: [f64; 4],
 }
 
 impl Pressure {
-    /// Centre in a's frame and half extents [m] of the area that the centre of pressure may use, and the moment that
-    /// counts as one [N·m].
-    pub fn new(center: [f64; 2], half_size: [f64; 2], scale: f64) -> Self {
+    /// Centre in a's frame and half extents [m] of the area that the centre of pressure may use, the moment that counts as one
+    /// [N·m], and s [N].
+    pub fn new(center: [f64; 2], half_size: [f64; 2], scale: f64, spare: f64) -> Self {
         let row = |reach: f64, axis: usize, sign: f64| {
             let mut c = Vector6::zeros();
             c[2] = -reach / scale;
@@ -33,6 +36,7 @@ impl Pressure {
                 row(x + c_x, 4, -1.0),
                 row(x - c_x, 4, 1.0),
             ],
+            reserves: [y, y, x, x].map(|reach| spare * reach / scale),
         }
     }
 }
@@ -42,7 +46,7 @@ impl ForceTerm for Pressure {
         "centre of pressure"
     }
     fn bounds(&self) -> Vec<(f64, f64)> {
-        vec![(0.0, f64::INFINITY); 4]
+        self.reserves.map(|least| (least, f64::INFINITY)).to_vec()
     }
     fn values(&self, _: &Pose, w: &Vector6<f64>, out: &mut [f64]) {
         linear_rows(&self.coefficients, w, out);

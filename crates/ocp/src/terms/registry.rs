@@ -95,7 +95,7 @@ pub fn force_terms() -> Vec<Box<dyn ForceTerm>> {
             epsilon: 0.5,
             scale: 10.0,
         }),
-        Box::new(Pressure::new([0.03, -0.01], [0.085, 0.03], 3.0)),
+        Box::new(Pressure::new([0.03, -0.01], [0.085, 0.03], 3.0, 25.0)),
         Box::new(Torsion::new(0.03, 3.0)),
         Box::new(Grasp {
             max_force: 60.0,
