@@ -107,6 +107,9 @@ pub struct Coarse {
     /// The part of it that is the scene's objective, mostly negative.
     #[serde(default)]
     pub objective: f64,
+    /// The phase that costs most, from 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dearest_phase: Option<usize>,
     /// Its largest violation (scaled rows).
     pub violation: f64,
     /// Iterations of the optimiser.
@@ -144,6 +147,9 @@ pub struct Tried {
     /// Phase in which the motion failed, from 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub failed_phase: Option<usize>,
+    /// Phase that costs most, from 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dearest_phase: Option<usize>,
     /// Largest violation (scaled rows) of the motion.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub violation: Option<f64>,

@@ -1,43 +1,32 @@
 //! Where motions fail: three contact states in a row at which the optimiser failed again and again, and never succeeded.
 //!
 //! Keyframes know no statics and no torques, so sequences that differ only before or after the step that the robot cannot do
-//! all pass them. A place of failure is the phase of the most violated row with its two neighbours, and what has been moved
-//! before: a step from a box is another one once the box stands elsewhere. This is evidence and no proof: a sequence is left out only after [`MOST`] failures at the same place and without any motion through it.
+//! all pass them. The place of a failure ([`super::places`]) is the phase of the most violated row with its two neighbours. This is
+//! evidence and no proof: a sequence is left out only after [`MOST`] failures at the same place and without any motion through it.
 
+use super::places::{Place, Places};
 use ocp::NEARLY_SOLVED;
 use std::collections::{BTreeMap, BTreeSet};
-use symbolic::{Contact, ContactState};
+use symbolic::ContactState;
 
 /// Failures at one place after which it is not tried again.
 const MOST: usize = 3;
 
-/// Three states, and the resting contacts of the start that have been broken by then.
-type Place = ([ContactState; 3], Vec<Contact>);
-
 /// What is known of places.
 #[derive(Debug, Default)]
 pub(super) struct Failures {
-    /// Contacts of the start by which objects rest.
-    resting: Vec<Contact>,
+    places: Places,
     numbers: BTreeMap<Place, Vec<usize>>,
     passed: BTreeSet<Place>,
 }
 
 impl Failures {
-    /// Nothing is known; `resting` are the contacts of the start by which objects rest.
-    pub fn new(resting: Vec<Contact>) -> Self {
+    /// Nothing is known.
+    pub fn new(places: Places) -> Self {
         Self {
-            resting,
+            places,
             ..Self::default()
         }
-    }
-
-    fn place(&self, states: &[ContactState], phase: usize) -> Place {
-        let last = states.len() - 1;
-        let after = (phase + 1).min(last);
-        let here = [phase.saturating_sub(1), phase, after].map(|k| states[k.min(last)].clone());
-        let broken = |c: &&Contact| states[..=after].iter().any(|s| !s.contains(c));
-        (here, self.resting.iter().filter(broken).copied().collect())
     }
 
     /// Takes note of sequence `number`, which failed in phase `phase` (from 0) by so much (scaled rows): what is nearly a motion says
@@ -46,22 +35,19 @@ impl Failures {
         if violation <= NEARLY_SOLVED {
             return;
         }
-        let place = self.place(states, phase);
+        let place = self.places.at(states, phase);
         self.numbers.entry(place).or_default().push(number);
     }
 
     /// Takes note of a sequence that has a motion.
     pub fn succeeded(&mut self, states: &[ContactState]) {
-        for phase in 0..states.len() {
-            let place = self.place(states, phase);
-            self.passed.insert(place);
-        }
+        self.passed.extend(self.places.of(states));
     }
 
     /// The first phase (from 0) of a sequence that is known to fail, and the sequences that failed there.
     pub fn known(&self, states: &[ContactState]) -> Option<(usize, &[usize])> {
         (0..states.len()).find_map(|phase| {
-            let place = self.place(states, phase);
+            let place = self.places.at(states, phase);
             let numbers = self.numbers.get(&place)?;
             let hopeless = numbers.len() >= MOST && !self.passed.contains(&place);
             hopeless.then_some((phase, numbers.as_slice()))
@@ -71,21 +57,8 @@ impl Failures {
 
 #[cfg(test)]
 mod tests {
+    use super::super::places::tests::sequence;
     use super::*;
-    use symbolic::{ContactType, InterfaceId};
-
-    /// A sequence in which each state is one contact with the surface of that number.
-    fn sequence(surfaces: &[usize]) -> Vec<ContactState> {
-        let state = |&surface: &usize| {
-            let contact = Contact {
-                a: InterfaceId(0),
-                b: InterfaceId(surface),
-                kind: ContactType::UnilateralPatch,
-            };
-            std::iter::once(contact).collect()
-        };
-        surfaces.iter().map(state).collect()
-    }
 
     #[test]
     fn a_place_is_left_out_after_three_failures_unless_a_motion_passed_it() {

@@ -9,8 +9,10 @@
 
 mod diverse;
 mod failures;
+mod growth;
 mod more_steps;
 mod order;
+mod places;
 mod proposals;
 mod results;
 mod reward;
@@ -31,8 +33,10 @@ use crate::start::check_start;
 use crate::{departures, domain};
 use diverse::{Diverse, Kept};
 use failures::Failures;
+use growth::Growth;
 use more_steps::Longer;
 use ocp::{Ending, Integrator, Phase, Planner, Point, Preset, Relative, Settings, Sticking};
+use places::Places;
 use proposals::{Candidate, Work};
 use reward::Rewards;
 use scene::{Owner, Scene};
@@ -149,14 +153,14 @@ pub fn plan(
             submitted: 0,
             waiting: vec![],
             moved: 0,
-            grown: vec![],
+            growth: Growth::new(Places::new(resting(scene)), &scene.objective),
             clock: 0,
             under_way: UnderWay::default(),
             lost: false,
             ended: None,
             rewards: Rewards::default(),
             coarse_rewards: Rewards::default(),
-            failures: Failures::new(resting(scene)),
+            failures: Failures::new(Places::new(resting(scene))),
             longer: Longer::default(),
             attempts: vec![],
             diverse: Diverse::new(request.solutions),
@@ -249,7 +253,7 @@ struct Run<'a> {
     waiting: Vec<(Candidate, Work)>,
     /// Number of sequences tried on the coarse grid, and what their motions cost more than their keyframes promised.
     moved: usize,
-    grown: Vec<f64>,
+    growth: Growth,
     /// Work done until now as the search counts it ([`turns`]): that of the result taken last, or of the draws since.
     clock: u64,
     /// Sequences whose motion is being optimised, or was and whose result waits for its turn.

@@ -5,6 +5,8 @@ const CHOICE: usize = 2;
 /// Motions on the coarse grid that wait for a finer one, from which on the cheapest is tried whatever others promise: of long sequences
 /// there are always some that promise less than they cost.
 const MOST_WAITING: usize = 3;
+/// The same with strained ones ([`super::growth`]), which hardly ever hold on a finer grid.
+const MOST_STRAINED: usize = 6;
 
 /// A sequence that waits for its turn.
 #[derive(Debug, Clone, Copy)]
@@ -13,6 +15,8 @@ pub(super) struct Waiting {
     pub has_motion: bool,
     /// What that costs, or is likely to cost.
     pub cost: f64,
+    /// True if that is far more than its keyframes promised.
+    pub is_strained: bool,
 }
 
 /// What may be begun.
@@ -42,7 +46,9 @@ pub(super) fn next(waiting: &[Waiting], may: May) -> Option<usize> {
     };
     let begun = least(false).filter(|_| may.move_one);
     let held = least(true).filter(|_| may.hold_one);
-    let are_many = waiting.iter().filter(|w| w.has_motion).count() >= MOST_WAITING;
+    let motions = || waiting.iter().filter(|w| w.has_motion);
+    let are_many = motions().count() >= MOST_STRAINED
+        || motions().filter(|w| !w.is_strained).count() >= MOST_WAITING;
     match (held, begun) {
         (Some(hold), Some(begin))
             if are_many || (may.moved >= CHOICE && cost(hold) <= cost(begin)) =>
@@ -65,10 +71,17 @@ mod tests {
         moved: CHOICE,
     };
 
+    /// Costs from which on motions are strained here.
+    const STRAIN: f64 = 50.0;
+
     /// Sequences with motions at these costs, then others.
     fn waiting(with: &[f64], without: &[f64]) -> Vec<Waiting> {
         let all = |costs: &[f64], has_motion: bool| {
-            let one = |&cost: &f64| Waiting { has_motion, cost };
+            let one = |&cost: &f64| Waiting {
+                has_motion,
+                cost,
+                is_strained: cost > STRAIN,
+            };
             costs.iter().map(one).collect::<Vec<_>>()
         };
         [all(with, true), all(without, false)].concat()
@@ -83,6 +96,14 @@ mod tests {
     #[test]
     fn if_many_have_a_motion_the_cheapest_is_tried_whatever_others_promise() {
         assert_eq!(next(&waiting(&[5.0, 4.0, 6.0], &[3.0]), MAY), Some(1));
+    }
+
+    #[test]
+    fn strained_motions_wait_until_there_are_more_of_them() {
+        let five = [60.0, 55.0, 65.0, 61.0, 62.0];
+        assert_eq!(next(&waiting(&five, &[3.0]), MAY), Some(5));
+        let six = [five.as_slice(), &[70.0]].concat();
+        assert_eq!(next(&waiting(&six, &[3.0]), MAY), Some(1));
     }
 
     #[test]

@@ -135,15 +135,21 @@ impl Run<'_> {
         true
     }
 
-    /// Which of the sequences that wait has its turn. A motion is expected to cost as much more than its keyframes promise as half of
-    /// the others did. While the best of many is sought, one plan is enough.
+    /// Which of the sequences that wait has its turn. While the best of many is sought, one plan is enough.
     fn next(&self, has_choice: bool) -> Option<usize> {
-        let growth = self.usual_growth();
         let waits = |(candidate, _): &(Candidate, Work)| {
-            let known = candidate.coarse.as_ref().map(|coarse| coarse.cost);
-            Waiting {
-                has_motion: known.is_some(),
-                cost: known.unwrap_or(candidate.promise + growth),
+            let (states, promise) = (&candidate.sequence.states, candidate.promise);
+            match &candidate.coarse {
+                Some(coarse) => Waiting {
+                    has_motion: true,
+                    cost: coarse.cost,
+                    is_strained: self.growth.is_strained(promise, coarse.cost),
+                },
+                None => Waiting {
+                    has_motion: false,
+                    cost: self.growth.expected(states, promise),
+                    is_strained: false,
+                },
             }
         };
         let waiting: Vec<_> = self.waiting.iter().map(waits).collect();
@@ -165,13 +171,6 @@ impl Run<'_> {
     pub fn has_unmoved(&self) -> bool {
         let unmoved = |(candidate, _): &(Candidate, Work)| candidate.coarse.is_none();
         !self.is_full() && self.waiting.iter().any(unmoved)
-    }
-
-    /// What motions on the coarse grid cost more than their keyframes promised: the median.
-    fn usual_growth(&self) -> f64 {
-        let mut grown = self.grown.clone();
-        grown.sort_by(f64::total_cmp);
-        grown.get(grown.len() / 2).copied().unwrap_or(0.0)
     }
 
     /// Has the next thing done for a sequence.

@@ -70,7 +70,8 @@ impl Run<'_> {
             number,
             cost: done.cost,
         });
-        self.grown.push(done.cost - candidate.promise);
+        let costs = done.costs(candidate.promise);
+        self.growth.found(&candidate.sequence.states, &costs);
         if self.request.min_optimised > 0 {
             let reward = self.coarse_rewards.of_plan(done.cost);
             self.learn(&candidate.sequence.states, reward);
@@ -91,6 +92,7 @@ impl Run<'_> {
             promise: candidate.promise,
             cost: done.cost,
             objective: done.objective,
+            dearest_phase: done.dearest_phase,
             violation: done.violation,
             iterations: done.iterations,
             work: done.work,
@@ -132,6 +134,7 @@ impl Run<'_> {
             (done.iterations, done.seconds) = (tried.iterations, tried.seconds);
             // A motion that is set up again has other clearances, and so other violations.
             done.worst_phase = tried.failed_phase;
+            done.dearest_phase = tried.dearest_phase;
             done.violation = tried.violation.unwrap_or(done.violation);
         } else if let Some(coarse) = &coarse {
             done.iterations += coarse.iterations;
@@ -152,11 +155,18 @@ impl Run<'_> {
         };
         if done.feasible {
             self.found += 1;
-            let left = coarse.is_some_and(|coarse| coarse.is_left(done.cost, done.objective));
+            let left = coarse
+                .as_ref()
+                .is_some_and(|coarse| coarse.is_left(done.cost, done.objective));
             self.found_unchanged |= !left;
             self.failures.succeeded(&sequence.states);
-        } else if let Some(phase) = done.worst_phase {
-            (self.failures).failed(number, &sequence.states, phase, done.violation);
+        } else {
+            if let Some(phase) = done.worst_phase {
+                (self.failures).failed(number, &sequence.states, phase, done.violation);
+            }
+            if coarse.is_none() {
+                (self.growth).failed(&sequence.states, &done.costs(promise));
+            }
         }
         let attempt = Attempt {
             number,
@@ -252,6 +262,7 @@ impl Run<'_> {
             promise: done.map(|(_, promise)| promise),
             cost: attempt.cost,
             failed_phase: motion.and_then(|m| m.worst_phase),
+            dearest_phase: motion.and_then(|m| m.dearest_phase),
             violation: motion.map(|m| m.violation),
             iterations: attempt.iterations,
             work: motion.map_or(0, |m| m.work),

@@ -111,6 +111,7 @@ mod tests {
             seconds: 0.0,
             reason: None,
             worst_phase: None,
+            dearest_phase: None,
             point: None,
             steps: vec![],
             plan: None,

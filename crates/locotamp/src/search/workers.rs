@@ -1,5 +1,6 @@
 //! Threads that optimise motions. Each job stands for itself, so that results do not depend on how many threads there are.
 
+use super::growth::Costs;
 use super::turns::Turns;
 use crate::api::Event;
 use crate::journal::{Coarse, PointEntry, Tried};
@@ -50,6 +51,8 @@ pub(super) struct Evaluated {
     pub reason: Option<String>,
     /// Phase of the most violated row, from 0.
     pub worst_phase: Option<usize>,
+    /// Phase that costs most, from 0.
+    pub dearest_phase: Option<usize>,
     pub point: Option<Point>,
     /// Its intervals per phase.
     pub steps: Vec<usize>,
@@ -72,10 +75,20 @@ impl Evaluated {
             seconds: known.seconds,
             reason: None,
             worst_phase: None,
+            dearest_phase: known.dearest_phase,
             steps: known.point.steps.clone(),
             point: Some(known.point.clone().into()),
             plan: None,
             relative: None,
+        }
+    }
+
+    /// Its costs, where its keyframes promised this one.
+    pub fn costs(&self, promise: f64) -> Costs {
+        Costs {
+            promise,
+            cost: self.cost,
+            dearest_phase: self.dearest_phase,
         }
     }
 
@@ -92,6 +105,7 @@ impl Evaluated {
             seconds: known.seconds,
             reason: known.reason.clone(),
             worst_phase: known.failed_phase,
+            dearest_phase: known.dearest_phase,
             point: None,
             steps: vec![],
             plan: None,
@@ -208,6 +222,20 @@ fn objective(motion: &mut Motion) -> f64 {
     terms.of(CostTerm::Goal)
 }
 
+/// The phase of a motion that costs most, from 0; what is for the scene's objective does not count.
+fn dearest_phase(motion: &mut Motion) -> Option<usize> {
+    let Motion {
+        trajectory, point, ..
+    } = motion;
+    let mut costs = vec![0.0; trajectory.program.steps.len()];
+    for t in 0..trajectory.program.n_intervals() {
+        let terms = trajectory.cost_terms(point, t);
+        let over_time = CostTerm::ALL.iter().filter(|term| !term.is_at_the_end());
+        costs[trajectory.program.phase_of(t)] += over_time.map(|term| terms.of(*term)).sum::<f64>();
+    }
+    (0..costs.len()).max_by(|&a, &b| costs[a].total_cmp(&costs[b]))
+}
+
 impl Shop<'_> {
     fn evaluate(self, job: Job, turns: &Turns, sender: &Sender<Message>) -> Evaluated {
         let turn = turns.enter(job.number, job.clock);
@@ -303,6 +331,7 @@ impl Shop<'_> {
             seconds: motion.seconds,
             reason: summary::resistance(scene, motion),
             worst_phase: motion.worst.as_ref().map(|w| w.phase),
+            dearest_phase: dearest_phase(motion),
             point: Some(motion.point.clone()),
             steps: motion.trajectory.program.steps.clone(),
             plan: motion.feasible.then(|| export::plan(scene, labels, motion)),

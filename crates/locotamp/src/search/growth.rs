@@ -1,0 +1,141 @@
+//! What motions cost more than their keyframes promise, and at which step.
+//!
+//! Keyframes know neither velocities nor torques: a lunge onto a platform promises hardly more than a step. A motion that costs more
+//! than twice what was promised is strained. None that was tried held on a finer grid (benches/runs/2026-11-27-strained.md). What it
+//! costs more is expected of other sequences with the same dearest step too, until one of them has a motion that is not strained.
+
+use super::places::{Place, Places};
+use scene::Objective;
+use std::collections::{BTreeMap, BTreeSet};
+use symbolic::ContactState;
+
+/// What a motion costs, in that of what its keyframes promised, from which on it is strained.
+const STRAINED: f64 = 2.0;
+/// Promises below this count as this much: a few steps more or less of so short a motion say nothing.
+const LEAST_PROMISE: f64 = 10.0;
+
+/// What is known of costs.
+#[derive(Debug, Default)]
+pub(super) struct Growth {
+    places: Places,
+    /// The scene rewards something: what keyframes promise of that is another number than what motions get.
+    has_reward: bool,
+    /// What motions that are not strained cost more than promised.
+    usual: Vec<f64>,
+    /// The least that strained ones cost more, by their dearest phase.
+    strained: BTreeMap<Place, f64>,
+    /// Where motions passed that are not strained.
+    passed: BTreeSet<Place>,
+}
+
+/// What a motion costs.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Costs {
+    /// What its keyframes promised.
+    pub promise: f64,
+    pub cost: f64,
+    /// Phase that costs most, from 0.
+    pub dearest_phase: Option<usize>,
+}
+
+impl Growth {
+    /// Nothing is known of a scene.
+    pub fn new(places: Places, objective: &Objective) -> Self {
+        Self {
+            places,
+            has_reward: *objective != Objective::Time,
+            ..Self::default()
+        }
+    }
+
+    /// True if a motion costs far more than its keyframes promised; not told where the scene rewards something.
+    pub fn is_strained(&self, promise: f64, cost: f64) -> bool {
+        !self.has_reward && cost > STRAINED * promise.max(LEAST_PROMISE)
+    }
+
+    /// Takes note of a motion on the coarse grid and its costs.
+    pub fn found(&mut self, states: &[ContactState], costs: &Costs) {
+        if self.is_strained(costs.promise, costs.cost) {
+            self.strained_at(states, costs);
+        } else {
+            self.usual.push(costs.cost - costs.promise);
+            self.passed.extend(self.places.of(states));
+        }
+    }
+
+    /// The same of an attempt that ended without one: what is costly and does not even hold says as much.
+    pub fn failed(&mut self, states: &[ContactState], costs: &Costs) {
+        if self.is_strained(costs.promise, costs.cost) {
+            self.strained_at(states, costs);
+        }
+    }
+
+    fn strained_at(&mut self, states: &[ContactState], costs: &Costs) {
+        if let Some(phase) = costs.dearest_phase.filter(|&phase| phase < states.len()) {
+            let more = costs.cost - costs.promise;
+            let place = self.places.at(states, phase);
+            let least = self.strained.entry(place).or_insert(more);
+            *least = least.min(more);
+        }
+    }
+
+    /// What a motion is likely to cost: as much more than promised as half of those that are not strained did, and what a step that is
+    /// known to be strained adds.
+    pub fn expected(&self, states: &[ContactState], promise: f64) -> f64 {
+        let unpassed = |place: &Place| !self.passed.contains(place);
+        let places = self.places.of(states).into_iter().filter(unpassed);
+        let strained = places.filter_map(|place| self.strained.get(&place));
+        promise + self.usual() + strained.fold(0.0, |a: f64, b| a.max(*b))
+    }
+
+    /// The median; 0 if nothing is known.
+    fn usual(&self) -> f64 {
+        let mut more = self.usual.clone();
+        more.sort_by(f64::total_cmp);
+        more.get(more.len() / 2).copied().unwrap_or(0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::places::tests::sequence;
+    use super::*;
+
+    fn costs(promise: f64, cost: f64, dearest: usize) -> Costs {
+        Costs {
+            promise,
+            cost,
+            dearest_phase: Some(dearest),
+        }
+    }
+
+    #[test]
+    fn what_a_strained_step_costs_is_expected_of_it_elsewhere_until_a_motion_passes_it() {
+        let mut growth = Growth::default();
+        growth.found(&sequence(&[1, 2, 3, 4]), &costs(20.0, 110.0, 1));
+        growth.failed(&sequence(&[5, 1, 2, 3]), &costs(20.0, 100.0, 2));
+        assert_eq!(growth.expected(&sequence(&[7, 1, 2, 3, 8]), 25.0), 105.0);
+        assert_eq!(growth.expected(&sequence(&[2, 3, 4]), 25.0), 25.0);
+        growth.found(&sequence(&[1, 2, 3, 9]), &costs(20.0, 23.0, 1));
+        assert_eq!(growth.expected(&sequence(&[7, 1, 2, 3, 8]), 25.0), 28.0);
+    }
+
+    #[test]
+    fn strained_motions_and_failures_do_not_count_among_what_motions_usually_cost_more() {
+        let mut growth = Growth::default();
+        for cost in [90.0, 95.0, 99.0] {
+            growth.found(&sequence(&[1, 2, 3]), &costs(20.0, cost, 1));
+        }
+        growth.failed(&sequence(&[4, 5]), &costs(20.0, 39.0, 1));
+        growth.found(&sequence(&[4, 5]), &costs(20.0, 24.0, 1));
+        assert_eq!(growth.expected(&sequence(&[6, 7]), 20.0), 24.0);
+    }
+
+    #[test]
+    fn nothing_is_strained_where_the_scene_rewards_something() {
+        let of = |objective| Growth::new(Places::default(), &objective);
+        let (time, height) = (of(Objective::Time), of(Objective::BaseHeight));
+        assert!(time.is_strained(20.0, 41.0) && !time.is_strained(20.0, 39.0));
+        assert!(!time.is_strained(1.0, 19.0) && !height.is_strained(20.0, 41.0));
+    }
+}
