@@ -1,5 +1,6 @@
 //! What can be written after `locotamp`.
 
+use crate::export_command::ExportOptions;
 use crate::report_command::ReportOptions;
 use crate::view_command::ViewOptions;
 use crate::watch_command::WatchOptions;
@@ -40,6 +41,9 @@ pub(crate) enum Command {
     Watch(WatchOptions),
     /// Draw the figures of a paper: contact sequence, torques, snapshots, animated picture
     Report(ReportOptions),
+    /// Write a plan as NumPy arrays at a fixed rate, for controllers and motion trackers
+    #[command(after_help = EXIT_CODES)]
+    Export(ExportOptions),
     /// List the built-in scenes, or print one to start from
     Scenes {
         /// Print the text of this scene
@@ -59,7 +63,11 @@ impl Command {
             Self::Bench(options) => options.json,
             Self::Check(options) => options.json,
             Self::Symbols(options) => options.json,
-            Self::View(_) | Self::Watch(_) | Self::Report(_) | Self::Scenes { .. } => false,
+            Self::View(_)
+            | Self::Watch(_)
+            | Self::Report(_)
+            | Self::Export(_)
+            | Self::Scenes { .. } => false,
         }
     }
 }

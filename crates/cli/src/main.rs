@@ -1,4 +1,4 @@
-//! The command `locotamp`: plans a scene, solves given contact sequences, judges and shows a plan, lists what is built in.
+//! The command `locotamp`: plans a scene, solves given contact sequences, judges, shows and exports a plan, lists what is built in.
 //!
 //! The only place that prints and exits. Results go to standard output, progress and errors to standard error. Exit
 //! codes: 0 done, 1 no plan or plan rejected, 2 bad usage or input.
@@ -8,6 +8,7 @@ mod bench_command;
 mod bench_table;
 mod check_command;
 mod counts;
+mod export_command;
 mod failure;
 mod folder;
 mod interrupt;
@@ -61,6 +62,7 @@ fn main() -> ExitCode {
         Command::View(options) => view_command::run(options),
         Command::Watch(options) => watch_command::run(options),
         Command::Report(options) => report_command::run(options),
+        Command::Export(options) => export_command::run(options),
         Command::Scenes { name } => scene_commands::scenes(name.as_deref()),
         Command::Symbols(options) => symbols_command::run(options),
     };

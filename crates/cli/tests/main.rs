@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod chain;
+mod exporting;
 mod sequences;
 mod symbols;
 mod viewing;

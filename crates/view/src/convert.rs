@@ -133,7 +133,7 @@ fn robot_data(motion: &Motion, meshes: &Meshes, limits: &TorqueLimits) -> RobotD
     let (plan, model) = (motion.plan, &motion.model);
     let (looks, mut notes) = looks(model, &plan.robot.urdf, meshes);
     notes.extend(model.notes.iter().cloned());
-    let tree = model.joints.iter().zip(&motion.columns);
+    let tree = model.joints.iter().zip(motion.order.columns());
     let axis = |(j, name): (usize, &String)| {
         let id = model
             .joint_id(name)
@@ -164,7 +164,7 @@ fn robot_data(motion: &Motion, meshes: &Meshes, limits: &TorqueLimits) -> RobotD
                     pose: short_pose(&joint.parent_from_joint),
                     kind,
                     axis: all_rounded(axis, 6),
-                    q: *column,
+                    q: column,
                 }
             })
             .collect(),

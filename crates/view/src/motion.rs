@@ -1,7 +1,7 @@
 //! The plan's motion as poses: robot joints, objects and interfaces in the world at every node.
 
 use crate::ViewError;
-use multibody::{CenterOfMass, JointKind, Kinematics, Model, Root};
+use multibody::{CenterOfMass, JointOrder, Kinematics, Model, Root};
 use nalgebra::Vector3;
 use plan::{Interface, Plan};
 use spatial::Pose;
@@ -24,8 +24,8 @@ pub(crate) struct Motion<'a> {
     pub plan: &'a Plan,
     /// The robot.
     pub model: Model,
-    /// Per joint of the model the column of the plan's `q` (of the base its first); `None`: stays at zero.
-    pub columns: Vec<Option<usize>>,
+    /// Where the plan's rows have the joints of the model.
+    pub order: JointOrder,
     /// Per interface its carrier.
     pub carriers: Vec<Carrier>,
     /// Index of an interface by name.
@@ -58,14 +58,19 @@ impl<'a> Motion<'a> {
                 source,
             }
         })?;
-        let columns = columns(plan, &model, name)?;
+        let order = JointOrder::new(&model, &plan.robot.joints);
+        let order = order.map_err(|index| ViewError::UnknownJoint {
+            plan: named(),
+            index,
+            joint: plan.robot.joints[index].clone(),
+        })?;
         let carriers = carriers(plan, &model, name)?;
-        let (nodes, com) = evaluate(plan, &model, &columns);
+        let (nodes, com) = evaluate(plan, &model, &order);
         let interfaces = plan.interfaces.iter().enumerate();
         Ok(Self {
             plan,
             carriers,
-            columns,
+            order,
             nodes,
             com,
             interfaces: interfaces.map(|(i, x)| (x.name.as_str(), i)).collect(),
@@ -82,8 +87,7 @@ impl<'a> Motion<'a> {
             .saturating_sub(1)
             .min(last);
         let share = ((time - times[t]) / (times[t + 1] - times[t])).clamp(0.0, 1.0);
-        let [from, to] =
-            [t, t + 1].map(|t| configuration(&self.model, &self.columns, &self.plan.q[t]));
+        let [from, to] = [t, t + 1].map(|t| self.order.configuration(&self.model, &self.plan.q[t]));
         let way: Vec<_> = self
             .model
             .difference(&from, &to)
@@ -129,27 +133,6 @@ impl<'a> Motion<'a> {
     }
 }
 
-fn columns(plan: &Plan, model: &Model, name: &str) -> Result<Vec<Option<usize>>, ViewError> {
-    let mut columns = vec![None; model.joints.len()];
-    for (index, joint) in plan.robot.joints.iter().enumerate() {
-        let found = model.joint_id(joint);
-        let Some(id) = found.filter(|id| model.joints[*id].kind.nq() == 1) else {
-            return Err(ViewError::UnknownJoint {
-                plan: name.to_owned(),
-                index,
-                joint: joint.clone(),
-            });
-        };
-        columns[id] = Some(7 + index);
-    }
-    for (column, joint) in columns.iter_mut().zip(&model.joints) {
-        if joint.kind == JointKind::FreeFlyer {
-            *column = Some(0);
-        }
-    }
-    Ok(columns)
-}
-
 fn carriers(plan: &Plan, model: &Model, name: &str) -> Result<Vec<Carrier>, ViewError> {
     let carrier = |index: usize, interface: &Interface| {
         let body = &interface.body;
@@ -172,26 +155,14 @@ fn carriers(plan: &Plan, model: &Model, name: &str) -> Result<Vec<Carrier>, View
 fn evaluate(
     plan: &Plan,
     model: &Model,
-    columns: &[Option<usize>],
+    order: &JointOrder,
 ) -> (Vec<Kinematics>, Vec<Vector3<f64>>) {
     let mut center = CenterOfMass::new(model);
     let at = |row: &Vec<f64>| {
         let mut kinematics = Kinematics::new(model);
-        kinematics.update(model, &configuration(model, columns, row));
+        kinematics.update(model, &order.configuration(model, row));
         let com = center.compute(model, &kinematics).0;
         (kinematics, com)
     };
     plan.q.iter().map(at).unzip()
-}
-
-/// A row of the plan's `q` in the order of the model.
-fn configuration(model: &Model, columns: &[Option<usize>], row: &[f64]) -> Vec<f64> {
-    let mut q = model.neutral();
-    for (joint, column) in model.joints.iter().zip(columns) {
-        if let Some(column) = *column {
-            let n = joint.kind.nq();
-            q[joint.idx_q..joint.idx_q + n].copy_from_slice(&row[column..column + n]);
-        }
-    }
-    q
 }

@@ -1,0 +1,59 @@
+//! Where the samples lie among the nodes of a plan.
+
+use crate::{ArraysError, MOST_SAMPLES, RATES};
+use plan::Plan;
+
+/// A sample this near a node is at it, so that a node whose time is off by rounding keeps its own phase [s].
+const AT_NODE: f64 = 1e-9;
+
+/// A time of the plan.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Moment {
+    /// The last node that is not after it.
+    pub node: usize,
+    /// The interval that it belongs to: the one that the node begins, at the end of the plan the last one.
+    pub interval: usize,
+    /// Time since the node [s]; exactly 0 at a node.
+    pub since: f64,
+}
+
+/// The samples at k / rate, k = 0, 1, …, up to the end of the plan; it must have no faults.
+pub(crate) fn moments(plan: &Plan, rate: f64) -> Result<Vec<Moment>, ArraysError> {
+    if !RATES.contains(&rate) {
+        return Err(ArraysError::BadRate { rate });
+    }
+    let nodes = node_times(plan);
+    let (last, end) = (nodes.len() - 1, nodes[nodes.len() - 1]);
+    let samples = ((end + AT_NODE) * rate).floor() + 1.0;
+    if samples > MOST_SAMPLES as f64 {
+        let duration = end;
+        return Err(ArraysError::TooMany { duration, rate });
+    }
+    let moment = |k: usize| {
+        let time = k as f64 / rate;
+        let node = nodes.partition_point(|x| *x <= time + AT_NODE) - 1;
+        let since = time - nodes[node];
+        Moment {
+            node,
+            interval: node.min(last - 1),
+            since: if since > AT_NODE && node < last {
+                since
+            } else {
+                0.0
+            },
+        }
+    };
+    Ok((0..samples as usize).map(moment).collect())
+}
+
+/// Times of the nodes [s], from the durations of the phases and their steps.
+fn node_times(plan: &Plan) -> Vec<f64> {
+    let mut times = vec![0.0];
+    let mut start = 0.0;
+    for phase in &plan.phases {
+        let steps = phase.steps as f64;
+        times.extend((1..=phase.steps).map(|i| start + phase.duration * (i as f64 / steps)));
+        start += phase.duration;
+    }
+    times
+}
