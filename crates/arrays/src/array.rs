@@ -94,7 +94,7 @@ mod tests {
             values: Values::Text(vec!["knee".to_owned(), "ä".to_owned()]),
         };
         let bytes = array.to_npy();
-        // numpy.save of numpy.array(["knee", "ä"]), version 2.3.
+        // numpy.save of numpy.array(["knee", "ä"]), version 2.4.
         let head =
             b"\x93NUMPY\x01\x00v\x00{'descr': '<U4', 'fortran_order': False, 'shape': (2,), }";
         assert!(bytes.starts_with(head));
