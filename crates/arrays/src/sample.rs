@@ -1,6 +1,6 @@
 //! All arrays of a plan.
 
-use crate::grid::{Moment, moments};
+use crate::grid::{Moment, moments, node_times};
 use crate::links::Links;
 use crate::phases::Phases;
 use crate::states::Rule;
@@ -18,7 +18,7 @@ pub fn sample(plan: &Plan, rate: f64) -> Result<Vec<Array>, ArraysError> {
     plan.validate()?;
     let mut links = Links::new(plan)?;
     let phases = Phases::new(plan);
-    let moments = moments(plan, rate)?;
+    let moments = moments(&node_times(plan), rate)?;
     let mut tables = Tables::default();
     for moment in &moments {
         tables.add(plan, *moment, &mut links, &phases);
