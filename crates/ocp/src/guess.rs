@@ -5,10 +5,12 @@
 use crate::point::Point;
 use crate::program::{Interval, Phase, Program};
 use crate::resting;
+use crate::settings::Arrangement;
 use crate::system::System;
 use multibody::Kinematics;
 use nalgebra::Vector3;
 use scene::{Owner, Role, Scene};
+use spatial::Pose;
 use symbolic::{Contact, InterfaceId};
 
 /// First guess of a phase's duration at least [s], and of how fast the base moves [m/s] and turns, and joints turn [rad/s], in the
@@ -21,10 +23,34 @@ const FLIGHT: f64 = 0.35;
 
 /// One configuration per phase boundary: the start posture, objects on their supports or between them, the base moved
 /// along with what the robot handles once a foot may move.
-pub fn keyframes(scene: &Scene, system: &System, phases: &[Phase]) -> Vec<Vec<f64>> {
+pub fn keyframes(
+    scene: &Scene,
+    system: &System,
+    phases: &[Phase],
+    arrangement: Arrangement,
+) -> Vec<Vec<f64>> {
+    after(scene, system, phases, arrangement, &[])
+}
+
+/// The same with objects where the first of all configurations, `known`, have them.
+pub fn after(
+    scene: &Scene,
+    system: &System,
+    phases: &[Phase],
+    arrangement: Arrangement,
+    known: &[Vec<f64>],
+) -> Vec<Vec<f64>> {
     let start = system.start(scene);
     let mut out = vec![start.clone(); phases.len() + 1];
-    for (o, poses) in resting::poses(scene, phases).iter().enumerate() {
+    let pose = |o: usize, q: &[f64]| {
+        let first = system.object_q(o);
+        Pose::from_xyzquat(&std::array::from_fn(|i| q[first + i]))
+    };
+    let objects = 0..scene.objects.len();
+    let given = objects.map(|o| known.iter().map(|q| pose(o, q)).collect());
+    let given: Vec<Vec<Pose>> = given.collect();
+    let poses = resting::poses(scene, phases, arrangement, &given);
+    for (o, poses) in poses.iter().enumerate() {
         let first = system.object_q(o);
         for (q, pose) in out.iter_mut().zip(poses) {
             q[first..first + 7].copy_from_slice(&pose.to_xyzquat());

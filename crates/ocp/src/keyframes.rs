@@ -18,7 +18,7 @@ use crate::motion::{Planner, near, report_at};
 use crate::problem::Trajectory;
 use crate::program::{Grid, Phase, Program};
 use crate::resistance::{Pull, Worst, pulls, violations, worst_row};
-use crate::settings::{Preset, Settings};
+use crate::settings::{Arrangement, Preset, Settings};
 use crate::stagnation::Stagnation;
 use crate::state_guess;
 use solver::{Convexification, InteriorPoint, Options, Problem, Report};
@@ -104,8 +104,8 @@ impl Planner<'_> {
 
     /// The same from a guess from the sequence alone, which is the only one that is tried.
     pub fn keyframes_at_once(&self, phases: &[Phase], settings: &Settings) -> Keyframes {
-        let guess = guess::keyframes(self.scene, &self.system, phases);
         let ask = Ask::new(self, phases, settings, Grid::Keyframes);
+        let guess = ask.guess();
         ask.solve(guess, Watched::new()).0
     }
 
@@ -118,22 +118,32 @@ impl Planner<'_> {
         settings: &Settings,
         open: bool,
     ) -> Keyframes {
-        self.keyframes_near(&self.guess_after(known, phases), phases, settings, open)
+        let guess = self.guess_after(known, phases, settings.arrangement);
+        self.keyframes_near(&guess, phases, settings, open)
     }
 
-    /// A guess of all keyframes from those of the first phases, which may be none.
-    pub fn guess_after(&self, known: &[Vec<f64>], phases: &[Phase]) -> Vec<Vec<f64>> {
-        let model = &self.system.model;
-        let guess = guess::keyframes(self.scene, &self.system, phases);
+    /// A guess of all keyframes from those of the first phases, which may be none: the robot moves on from there as it would from the
+    /// start, objects are where these have them unless they make room for what comes ([`Arrangement::LaterBeside`]).
+    pub fn guess_after(
+        &self,
+        known: &[Vec<f64>],
+        phases: &[Phase],
+        arrangement: Arrangement,
+    ) -> Vec<Vec<f64>> {
+        let (system, model) = (&self.system, &self.system.model);
+        let mut guess = guess::after(self.scene, system, phases, arrangement, known);
         let Some(last) = known.len().checked_sub(1) else {
             return guess;
         };
-        let further = |k: usize| {
-            let moved = model.difference(&guess[last], &guess[k]);
-            model.integrate(&known[last], &moved)
-        };
-        let rest = (known.len()..=phases.len()).map(further);
-        known.iter().cloned().chain(rest).collect()
+        let robot = 0..system.robot_nq;
+        let before = guess[last].clone();
+        for (k, q) in guess.iter_mut().enumerate() {
+            let moved = model.difference(&before, q);
+            let further = model.integrate(&known[last], &moved);
+            let now = known.get(k).unwrap_or(&further);
+            q[robot.clone()].copy_from_slice(&now[robot.clone()]);
+        }
+        guess
     }
 
     /// Keyframes from a guess of all configurations; `open` leaves out the goal regions. Only this guess is tried.
@@ -234,10 +244,10 @@ impl<'a> Ask<'a> {
         }
     }
 
-    /// Solves from a guess from the sequence alone, then, unless that ended hopelessly far from satisfying the contacts, from one
-    /// that was solved boundary by boundary, at last from both with short steps, no pull to the home posture at the end and, if
-    /// clearances resist, with those of all that is near the guess from the beginning: once a link is inside something, its row may
-    /// lead out on the wrong side.
+    /// Solves from a guess from the sequence alone, then, unless that ended hopelessly far from satisfying the contacts, from one with
+    /// objects the other way round where they share a support and from one that was solved boundary by boundary, at last from the
+    /// first and the third with short steps, no pull to the home posture at the end and, if clearances resist, with those of all
+    /// that is near the guess from the beginning: once a link is inside something, its row may lead out on the wrong side.
     fn answer(&self) -> Keyframes {
         let (best, rows, guesses) = self.attempts();
         self.carefully(best, rows, guesses)
@@ -266,12 +276,46 @@ impl<'a> Ask<'a> {
         best
     }
 
-    /// The first two attempts: the less violated result, whether clearances resist, and guesses for further attempts.
+    /// A guess from the sequence alone.
+    fn guess(&self) -> Vec<Vec<f64>> {
+        self.guess_in(self.settings.arrangement)
+    }
+
+    fn guess_in(&self, arrangement: Arrangement) -> Vec<Vec<f64>> {
+        let Planner { scene, system, .. } = self.planner;
+        guess::keyframes(scene, system, self.phases, arrangement)
+    }
+
+    /// The result from a guess with the objects the other way round where they share a support, if that is another one and
+    /// satisfies everything.
+    fn other_way_round(&self, guess: impl Fn(Arrangement) -> Vec<Vec<f64>>) -> Option<Keyframes> {
+        let settings = Settings {
+            arrangement: Arrangement::EarlierBeside,
+            ..self.settings.clone()
+        };
+        let other = Ask {
+            settings: &settings,
+            ..*self
+        };
+        let nodes = guess(settings.arrangement);
+        if nodes == guess(self.settings.arrangement) {
+            return None;
+        }
+        let near = other.near(&nodes, NEAR);
+        let found = other.solve(nodes, near).0;
+        found.possible.then_some(found)
+    }
+
+    /// The first attempts: the less violated result, whether clearances resist, and guesses for further attempts.
     fn attempts(&self) -> (Keyframes, bool, Vec<Vec<Vec<f64>>>) {
-        let guess = guess::keyframes(self.planner.scene, &self.planner.system, self.phases);
+        let guess = self.guess();
         let (first, first_rows) = self.solve(guess.clone(), Watched::new());
         if first.possible || first.is_hopeless() {
             return (first, false, vec![]);
+        }
+        let from_nothing = |arrangement| self.guess_in(arrangement);
+        if let Some(found) = self.other_way_round(from_nothing) {
+            return (found, false, vec![]);
         }
         let (forward, watched) = self.forward(guess.clone());
         let (second, second_rows) = self.solve(forward.clone(), watched);
@@ -279,8 +323,8 @@ impl<'a> Ask<'a> {
         (less_violated(first, second), resist, vec![guess, forward])
     }
 
-    /// Solves from keyframes of the first phases, then from another guess, if there is one, then from one from the sequence alone,
-    /// then, for few phases and unless these ended far from satisfying everything, from one solved boundary by boundary if
+    /// Solves from keyframes of the first phases, then from another guess, if there is one, then from one from the sequence alone, from
+    /// that with objects the other way round, then, for few phases and unless these ended far from satisfying everything, from one solved boundary by boundary if
     /// clearances resist, and from the first and the last with short steps.
     fn answer_after(
         &self,
@@ -288,18 +332,25 @@ impl<'a> Ask<'a> {
         another: &mut dyn FnMut() -> Option<Vec<Vec<f64>>>,
     ) -> Keyframes {
         let (planner, phases) = (self.planner, self.phases);
-        let after = planner.guess_after(known, phases);
+        let after = planner.guess_after(known, phases, self.settings.arrangement);
         let (from_known, known_rows) = self.solve(after.clone(), self.near(&after, NEAR));
         if from_known.possible {
             return from_known;
         }
+        let guess_after = |arrangement| planner.guess_after(known, phases, arrangement);
+        if let Some(found) = self.other_way_round(guess_after) {
+            return found;
+        }
         if let Some(from_another) = another().and_then(|nodes| self.answer_near(nodes)) {
             return from_another;
         }
-        let guess = guess::keyframes(planner.scene, &planner.system, phases);
+        let guess = self.guess();
         let (first, first_rows) = self.solve(guess.clone(), Watched::new());
         if first.possible || first.is_hopeless() {
             return first;
+        }
+        if let Some(found) = self.other_way_round(|arrangement| self.guess_in(arrangement)) {
+            return found;
         }
         let rows = !known_rows.is_empty() || !first_rows.is_empty();
         let best = less_violated(from_known, first);

@@ -52,6 +52,6 @@ pub use relative::{Body, Carrier};
 pub use relative_motion::Relative;
 pub use resistance::{Pull, Worst, pulls, violations, worst_row};
 pub use settings::{
-    Ending, Integrator, Margins, NEARLY_SOLVED, Preset, Settings, Sticking, Weights,
+    Arrangement, Ending, Integrator, Margins, NEARLY_SOLVED, Preset, Settings, Sticking, Weights,
 };
 pub use system::System;

@@ -1,9 +1,12 @@
 //! Where objects are in a guess: on their supports, in the air between these.
 
+use crate::collision::corners;
 use crate::program::Phase;
+use crate::settings::Arrangement;
 use nalgebra::Vector3;
-use scene::{Interface, Owner, Scene};
+use scene::{Interface, Object, Owner, Scene};
 use spatial::Pose;
+use std::ops::Range;
 use symbolic::Contact;
 
 /// Height by which an object in the air is lifted above its neighbours [m].
@@ -17,40 +20,118 @@ const MOST_STEPS: f64 = 10.0;
 /// What a step towards where an object comes from counts for, in a step away from the middle of a support.
 const TOWARDS: f64 = 0.1;
 
-/// Poses of all objects at the phase boundaries. What is put down finds its place among what stands there by then.
-pub fn poses(scene: &Scene, phases: &[Phase]) -> Vec<Vec<Pose>> {
-    let mut stands: Vec<Stands> = (0..scene.objects.len())
-        .map(|object| Stands {
-            on: support(scene, object, &phases[0]),
-            at: scene.objects[object].world_from_start,
-        })
-        .collect();
-    let at_start = |stands: &Stands| vec![Some(stands.at)];
-    let mut known: Vec<Vec<Option<Pose>>> = stands.iter().map(at_start).collect();
-    for (k, phase) in phases.iter().enumerate() {
-        for (object, known) in known.iter_mut().enumerate() {
-            let on = support(scene, object, phase);
-            if let Some(contact) = on.filter(|_| stands[object].on != on) {
-                let others = stands.iter().filter_map(|other| {
-                    let there = other.on.filter(|on| on.b == contact.b)?;
-                    Some((there, other.at))
-                });
-                let others: Vec<_> = others.collect();
-                stands[object].at = resting_pose(scene, contact, &stands[object].at, &others);
-            }
-            stands[object].on = on;
-            let rests = on.map(|_| stands[object].at);
-            known[k] = rests.or(known[k]);
-            known.push(rests);
-        }
-    }
-    known.iter().map(|known| with_air(known)).collect()
+/// An object on a support.
+struct Rest {
+    object: usize,
+    contact: Contact,
+    phases: Range<usize>,
 }
 
-/// Where an object rests, or rested last.
-struct Stands {
-    on: Option<Contact>,
-    at: Pose,
+impl Rest {
+    fn overlaps(&self, other: &Self) -> bool {
+        self.phases.start < other.phases.end && other.phases.start < self.phases.end
+    }
+
+    /// True if another object is on the same support at the same time.
+    fn shares_with(&self, other: &Self) -> bool {
+        self.object != other.object && self.contact.b == other.contact.b && self.overlaps(other)
+    }
+}
+
+/// Poses of all objects at the phase boundaries; those at the first boundaries may be `given`, by object. With
+/// [`Arrangement::LaterBeside`] what is given makes room for what comes to stand beside it after them.
+pub fn poses(
+    scene: &Scene,
+    phases: &[Phase],
+    arrangement: Arrangement,
+    given: &[Vec<Pose>],
+) -> Vec<Vec<Pose>> {
+    let start = |object: usize| scene.objects[object].world_from_start;
+    let rests = rests(scene, phases);
+    // What begins at the last of the given boundaries is not in the phases that led there.
+    let before = given
+        .first()
+        .map_or(0, |poses| poses.len().saturating_sub(1));
+    let makes_room = |rest: &Rest| {
+        let comes = |r: &Rest| r.phases.start >= before && r.shares_with(rest);
+        arrangement == Arrangement::LaterBeside && rests.iter().any(comes)
+    };
+    let known = |rest: &Rest| match rest.phases.start {
+        0 => Some(start(rest.object)),
+        k if k < before && !makes_room(rest) => Some(given[rest.object][k]),
+        _ => None,
+    };
+    let mut at: Vec<Option<Pose>> = rests.iter().map(known).collect();
+    let mut turns: Vec<usize> = (0..rests.len()).collect();
+    if arrangement == Arrangement::EarlierBeside {
+        turns.reverse();
+    }
+    for i in turns {
+        if at[i].is_some() {
+            continue;
+        }
+        let rest = &rests[i];
+        let known = || {
+            rests
+                .iter()
+                .zip(&at)
+                .filter_map(|(r, at)| Some((r, (*at)?)))
+        };
+        let own = known().filter(|(r, _)| r.object == rest.object);
+        let earlier = own.filter(|(r, _)| r.phases.end <= rest.phases.start);
+        let from = earlier.last().map_or(start(rest.object), |(_, at)| at);
+        let others = known().filter(|(r, _)| r.shares_with(rest));
+        let others: Vec<_> = others.map(|(r, at)| (r.contact, at)).collect();
+        let below = match scene.interfaces[rest.contact.b.0].owner {
+            Owner::Object(o) => {
+                let below = known().find(|(r, _)| r.object == o && r.overlaps(rest));
+                below.map_or(start(o), |(_, at)| at)
+            }
+            _ => Pose::identity(),
+        };
+        at[i] = Some(resting_pose(scene, rest.contact, &below, &from, &others));
+    }
+    let mut known: Vec<Vec<Option<Pose>>> = (0..scene.objects.len())
+        .map(|object| {
+            let mut known = vec![None; phases.len() + 1];
+            known[0] = Some(start(object));
+            for (known, given) in known
+                .iter_mut()
+                .zip(given.get(object).into_iter().flatten())
+            {
+                *known = Some(*given);
+            }
+            known
+        })
+        .collect();
+    for (rest, at) in rests.iter().zip(at) {
+        known[rest.object][rest.phases.start..=rest.phases.end].fill(at);
+    }
+    (0..known.len())
+        .map(|object| with_air(scene, object, &known))
+        .collect()
+}
+
+/// Who rests where and when; what begins first comes first.
+fn rests(scene: &Scene, phases: &[Phase]) -> Vec<Rest> {
+    let mut rests: Vec<Rest> = Vec::new();
+    for (k, phase) in phases.iter().enumerate() {
+        for object in 0..scene.objects.len() {
+            let Some(contact) = support(scene, object, phase) else {
+                continue;
+            };
+            let same = |r: &&mut Rest| r.contact == contact && r.phases.end == k;
+            match rests.iter_mut().find(same) {
+                Some(rest) => rest.phases.end = k + 1,
+                None => rests.push(Rest {
+                    object,
+                    contact,
+                    phases: k..k + 1,
+                }),
+            }
+        }
+    }
+    rests
 }
 
 /// The contact that supports an object in a phase: its landing surface on a static body or another object.
@@ -61,42 +142,70 @@ pub fn support(scene: &Scene, object: usize, phase: &Phase) -> Option<Contact> {
     })
 }
 
-/// Poses at all boundaries; in the air between the neighbours, a little higher. The first one is known.
-fn with_air(known: &[Option<Pose>]) -> Vec<Pose> {
-    let at = |k: usize| {
-        let before = (0..=k).rev().find_map(|i| known[i].map(|p| (i, p)));
-        let after = (k..known.len()).find_map(|i| known[i].map(|p| (i, p)));
-        match (known[k], before, after) {
-            (Some(pose), _, _) => pose,
-            (None, Some((i, from)), Some((j, to))) => {
-                let s = (k - i) as f64 / (j - i) as f64;
-                lifted(&from.plus(&(to.minus(&from) * s)))
-            }
-            (None, Some((_, from)), None) => lifted(&from),
-            (None, None, _) => unreachable!("an object's start is known"),
-        }
+/// Poses of an object at all boundaries; in the air between the neighbours, a little higher, and above what stands there. Where
+/// objects rest, and where the first of all boundaries has them, is known.
+fn with_air(scene: &Scene, object: usize, known: &[Vec<Option<Pose>>]) -> Vec<Pose> {
+    let mine = &known[object];
+    let in_air = |k: usize| {
+        let before = (0..=k).rev().find_map(|i| mine[i].map(|p| (i, p)));
+        let after = (k..mine.len()).find_map(|i| mine[i].map(|p| (i, p)));
+        let (i, from) = before.expect("an object's start is known");
+        let between = after.map_or(from, |(j, to)| {
+            from.plus(&(to.minus(&from) * ((k - i) as f64 / (j - i) as f64)))
+        });
+        let others = known.iter().enumerate().filter(|(o, _)| *o != object);
+        let standing = others.filter_map(|(o, poses)| Some(bounds(&scene.objects[o], &poses[k]?)));
+        above(&scene.objects[object], lifted(LIFT, &between), standing)
     };
-    (0..known.len()).map(at).collect()
+    (0..mine.len())
+        .map(|k| mine[k].unwrap_or_else(|| in_air(k)))
+        .collect()
 }
 
-fn lifted(pose: &Pose) -> Pose {
-    Pose::from_parts(
-        *pose.rotation(),
-        pose.origin() + Vector3::new(0.0, 0.0, LIFT),
-    )
+/// The pose as high as what it would be in demands.
+fn above(object: &Object, pose: Pose, standing: impl Iterator<Item = [Vector3<f64>; 2]>) -> Pose {
+    let [least, most] = bounds(object, &pose);
+    let meets = |[low, high]: &[Vector3<f64>; 2]| {
+        (0..3).all(|i| low[i] < most[i] + ROOM && least[i] < high[i] + ROOM)
+    };
+    let higher = standing
+        .filter(meets)
+        .map(|[_, high]| high.z + ROOM - least.z);
+    lifted(higher.fold(0.0, f64::max), &pose)
+}
+
+/// The least and the greatest coordinates of an object in the world [m].
+fn bounds(object: &Object, pose: &Pose) -> [Vector3<f64>; 2] {
+    let mut balls = Vec::new();
+    for shape in &object.shapes {
+        corners(shape, &mut balls);
+    }
+    let none = [f64::INFINITY, f64::NEG_INFINITY].map(|x| Vector3::repeat(x));
+    balls.iter().fold(none, |[low, high], (center, radius)| {
+        let center = pose.act(*center);
+        let reach = Vector3::repeat(*radius);
+        [low.inf(&(center - reach)), high.sup(&(center + reach))]
+    })
+}
+
+fn lifted(by: f64, pose: &Pose) -> Pose {
+    Pose::from_parts(*pose.rotation(), pose.origin() + Vector3::new(0.0, 0.0, by))
 }
 
 /// The object's pose with its surface on a support, turned as little as possible: in the middle, or as near to it as others
 /// leave room, of places as near on the side that it comes from: it need not pass the others.
-fn resting_pose(scene: &Scene, contact: Contact, now: &Pose, others: &[(Contact, Pose)]) -> Pose {
+fn resting_pose(
+    scene: &Scene,
+    contact: Contact,
+    world_from_below: &Pose,
+    now: &Pose,
+    others: &[(Contact, Pose)],
+) -> Pose {
     let (a, b) = (
         &scene.interfaces[contact.a.0],
         &scene.interfaces[contact.b.0],
     );
-    let world_from_b = match b.owner {
-        Owner::Object(o) => scene.objects[o].world_from_start * b.body_from_interface,
-        _ => b.body_from_interface,
-    };
+    let world_from_b = *world_from_below * b.body_from_interface;
     let kept = world_from_b
         .inverse()
         .act((*now * a.body_from_interface).origin());
@@ -184,14 +293,50 @@ mod tests {
                 phase(&[there]),
                 phase(&[there, on(&bottom(second), "table_c_top")]),
             ];
-            let poses = poses(&scene, &phases);
-            let at_end = |name: &str| {
-                let is_it = |object: &scene::Object| object.name == name;
-                let o = scene.objects.iter().position(is_it).unwrap();
-                poses[o][phases.len()].origin().y
+            let index = |name: &str| {
+                let is_it = |object: &Object| object.name == name;
+                scene.objects.iter().position(is_it).unwrap()
             };
-            assert!(at_end(second) < at_end(first) - 0.1, "{second} comes last");
+            let ends = |arrangement: Arrangement, given: &[Vec<Pose>]| {
+                let poses = poses(&scene, &phases, arrangement, given);
+                [first, second].map(|name| poses[index(name)][phases.len()].origin().y)
+            };
+            let [there, beside] = ends(Arrangement::LaterBeside, &[]);
+            assert!(there - beside > 0.1, "{second} comes last");
+            let [beside, there] = ends(Arrangement::EarlierBeside, &[]);
+            assert!(there - beside > 0.1, "{second} comes last");
+            // Put down at the near end when nothing else was to come.
+            let mut given = poses(&scene, &phases[..4], Arrangement::default(), &[]);
+            let near = Pose::from_parts(
+                *Pose::identity().rotation(),
+                given[index(first)][4].origin() - Vector3::new(0.0, 0.2, 0.0),
+            );
+            given[index(first)][2..].fill(near);
+            let [there, beside] = ends(Arrangement::LaterBeside, &given);
+            assert!(there - beside > 0.1, "{first} makes room");
+            let [kept, beyond] = ends(Arrangement::EarlierBeside, &given);
+            assert!(beyond > kept && (kept - near.origin().y).abs() < 1e-12);
         }
+    }
+
+    #[test]
+    fn what_is_carried_over_something_is_lifted_above_it() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/two-box.toml");
+        let scene = Scene::load(&path).unwrap();
+        let object = |name: &str| scene.objects.iter().find(|o| o.name == name).unwrap();
+        let (carried, stands) = (object("green_box"), object("red_box"));
+        let standing = || std::iter::once(bounds(stands, &stands.world_from_start));
+        let at = |by: Vector3<f64>| {
+            let start = stands.world_from_start;
+            Pose::from_parts(*start.rotation(), start.origin() + by)
+        };
+        let into = at(Vector3::new(0.1, 0.0, 0.05));
+        let height = above(carried, into, standing()).origin().z;
+        // Half the heights of both, and some room.
+        let top = stands.world_from_start.origin().z + 0.075 + 0.1;
+        assert!((top..top + 0.05).contains(&height), "{height} m");
+        let aside = at(Vector3::new(0.0, -0.3, 0.05));
+        assert_eq!(above(carried, aside, standing()), aside);
     }
 
     #[test]

@@ -217,6 +217,16 @@ pub enum Ending {
     Rough,
 }
 
+/// Which of several objects on a support stands on the side that it comes from.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Arrangement {
+    /// What comes later: it need not pass what stands there.
+    #[default]
+    LaterBeside,
+    /// What came first: it is carried less far.
+    EarlierBeside,
+}
+
 /// Everything that shapes the problem beside the scene and the contact sequence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
@@ -243,6 +253,8 @@ pub struct Settings {
     pub between: bool,
     /// Height to which the path between keyframes lifts objects from what they leave or come to [m].
     pub lift: f64,
+    /// Where keyframes begin with objects that share a support.
+    pub arrangement: Arrangement,
     /// How near to a solution a motion ends.
     pub ending: Ending,
     /// First barrier parameter of a motion from keyframes; zero: the solver's own. Another one is another way to a motion: the
@@ -295,6 +307,7 @@ impl Settings {
             },
             between: preset == Preset::Default,
             lift: LIFT,
+            arrangement: Arrangement::default(),
             ending: Ending::Exact,
             first_barrier: 0.0,
             max_iterations: options.max_iterations,

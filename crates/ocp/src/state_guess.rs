@@ -6,6 +6,7 @@ use std::f64::consts::PI;
 
 use crate::guess;
 use crate::program::Phase;
+use crate::settings::Arrangement;
 use crate::system::System;
 use multibody::Kinematics;
 use nalgebra::{Vector3, Vector6};
@@ -47,7 +48,7 @@ pub fn states(scene: &Scene, system: &System, state: &ContactState) -> Vec<Vec<f
     ];
     let (from, to) = (
         system.start(scene),
-        guess::keyframes(scene, system, &phases).swap_remove(3),
+        guess::keyframes(scene, system, &phases, Arrangement::default()).swap_remove(3),
     );
     let Some(base_to) = to.first_chunk::<7>().map(Pose::from_xyzquat) else {
         return vec![to];

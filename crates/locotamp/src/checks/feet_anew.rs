@@ -2,7 +2,7 @@
 
 use super::Checks;
 use super::beginnings::Refused;
-use ocp::{Keyframes, Phase};
+use ocp::{Arrangement, Keyframes, Phase};
 use scene::Role;
 use symbolic::{Anew, Contact, ContactState};
 
@@ -119,8 +119,9 @@ impl Checks<'_> {
         let telling = |k: &usize| self.is_telling(&phases[k - 1].state, &phases[*k].state);
         let known = (2..phases.len()).rev().find(|k| telling(&(k - 1)));
         let known = known.and_then(|k| self.nodes(&phases[..k]));
+        let known = known.as_deref().unwrap_or_default();
         self.planner
-            .guess_after(known.as_deref().unwrap_or_default(), phases)
+            .guess_after(known, phases, Arrangement::default())
     }
 
     /// Keyframes with feet set anew in some states, each of which becomes three phases: itself, without feet, and itself again.

@@ -3,6 +3,8 @@
 //! Keyframes know neither velocities nor torques: a lunge onto a platform promises hardly more than a step. A motion that costs more
 //! than twice what was promised is strained. None that was tried held on a finer grid (benches/runs/2026-11-27-strained.md). What it
 //! costs more is expected of other sequences with the same dearest step too, until one of them has a motion that is not strained.
+//!
+//! Where an attempt fails without having cost much, others that do the same there wait behind what promises a little more.
 
 use super::places::{Place, Places};
 use scene::Objective;
@@ -13,6 +15,8 @@ use symbolic::ContactState;
 const STRAINED: f64 = 2.0;
 /// Promises below this count as this much: a few steps more or less of so short a motion say nothing.
 const LEAST_PROMISE: f64 = 10.0;
+/// What a failure adds to the cost that is expected of others at its place, in what was promised.
+const DOUBT: f64 = 0.25;
 
 /// What is known of costs.
 #[derive(Debug, Default)]
@@ -24,6 +28,8 @@ pub(super) struct Growth {
     usual: Vec<f64>,
     /// The least that strained ones cost more, by their dearest phase.
     strained: BTreeMap<Place, f64>,
+    /// What failures of others add, by the phase of the most violated row.
+    doubtful: BTreeMap<Place, f64>,
     /// Where motions passed that are not strained.
     passed: BTreeSet<Place>,
 }
@@ -63,10 +69,14 @@ impl Growth {
         }
     }
 
-    /// The same of an attempt that ended without one: what is costly and does not even hold says as much.
-    pub fn failed(&mut self, states: &[ContactState], costs: &Costs) {
+    /// The same of an attempt that ended without one, in phase `worst` (from 0): what is costly and does not even hold says as much.
+    pub fn failed(&mut self, states: &[ContactState], costs: &Costs, worst: Option<usize>) {
         if self.is_strained(costs.promise, costs.cost) {
             self.strained_at(states, costs);
+        } else if let Some(phase) = worst.filter(|&phase| phase < states.len() && !self.has_reward)
+        {
+            let place = self.places.at(states, phase);
+            *self.doubtful.entry(place).or_default() += DOUBT * costs.promise.max(LEAST_PROMISE);
         }
     }
 
@@ -79,13 +89,14 @@ impl Growth {
         }
     }
 
-    /// What a motion is likely to cost: as much more than promised as half of those that are not strained did, and what a step that is
-    /// known to be strained adds.
+    /// What a motion is likely to cost: as much more than promised as half of those that are not strained did, and what a step adds
+    /// that is known to be strained, or at which others failed.
     pub fn expected(&self, states: &[ContactState], promise: f64) -> f64 {
         let unpassed = |place: &Place| !self.passed.contains(place);
         let places = self.places.of(states).into_iter().filter(unpassed);
-        let strained = places.filter_map(|place| self.strained.get(&place));
-        promise + self.usual() + strained.fold(0.0, |a: f64, b| a.max(*b))
+        let more = places
+            .flat_map(|place| [&self.strained, &self.doubtful].map(|m| m.get(&place).copied()));
+        promise + self.usual() + more.flatten().fold(0.0, f64::max)
     }
 
     /// The median; 0 if nothing is known.
@@ -113,11 +124,25 @@ mod tests {
     fn what_a_strained_step_costs_is_expected_of_it_elsewhere_until_a_motion_passes_it() {
         let mut growth = Growth::default();
         growth.found(&sequence(&[1, 2, 3, 4]), &costs(20.0, 110.0, 1));
-        growth.failed(&sequence(&[5, 1, 2, 3]), &costs(20.0, 100.0, 2));
+        growth.failed(&sequence(&[5, 1, 2, 3]), &costs(20.0, 100.0, 2), None);
         assert_eq!(growth.expected(&sequence(&[7, 1, 2, 3, 8]), 25.0), 105.0);
         assert_eq!(growth.expected(&sequence(&[2, 3, 4]), 25.0), 25.0);
         growth.found(&sequence(&[1, 2, 3, 9]), &costs(20.0, 23.0, 1));
         assert_eq!(growth.expected(&sequence(&[7, 1, 2, 3, 8]), 25.0), 28.0);
+    }
+
+    #[test]
+    fn every_failure_adds_to_what_is_expected_at_its_place_until_a_motion_passes_it() {
+        let mut growth = Growth::default();
+        let there = || sequence(&[7, 1, 2, 3, 8]);
+        growth.failed(&sequence(&[1, 2, 3, 4]), &costs(20.0, 21.0, 3), Some(1));
+        growth.failed(&sequence(&[5, 6, 4]), &costs(20.0, 21.0, 0), None);
+        assert_eq!(growth.expected(&there(), 24.0), 29.0);
+        growth.failed(&sequence(&[5, 1, 2, 3]), &costs(40.0, 41.0, 0), Some(2));
+        assert_eq!(growth.expected(&there(), 24.0), 39.0);
+        assert_eq!(growth.expected(&sequence(&[2, 3, 4]), 24.0), 24.0);
+        growth.found(&sequence(&[1, 2, 3, 9]), &costs(20.0, 20.0, 1));
+        assert_eq!(growth.expected(&there(), 24.0), 24.0);
     }
 
     #[test]
@@ -126,7 +151,7 @@ mod tests {
         for cost in [90.0, 95.0, 99.0] {
             growth.found(&sequence(&[1, 2, 3]), &costs(20.0, cost, 1));
         }
-        growth.failed(&sequence(&[4, 5]), &costs(20.0, 39.0, 1));
+        growth.failed(&sequence(&[4, 5]), &costs(20.0, 39.0, 1), None);
         growth.found(&sequence(&[4, 5]), &costs(20.0, 24.0, 1));
         assert_eq!(growth.expected(&sequence(&[6, 7]), 20.0), 24.0);
     }

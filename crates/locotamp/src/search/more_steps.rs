@@ -124,8 +124,8 @@ impl Run<'_> {
         best
     }
 
-    /// What keyframes of a sequence with a round of swings promise: from those without, or if that saves nothing, from the sequence
-    /// alone. `None` if there are none.
+    /// What keyframes of a sequence with a round of swings promise: from those without, or if that fails, from the sequence alone.
+    /// `None` if there are none.
     fn promise_of_longer(
         &self,
         longer: &Sequence,
@@ -143,8 +143,7 @@ impl Run<'_> {
             Some((self.promise(&phases, &found), found.nodes))
         };
         let near = planner.keyframes_at(&guess, &phases, settings);
-        let near = near.and_then(promise);
-        near.filter(|near| near.0 < without.cost - SAVING)
+        near.and_then(promise)
             .or_else(|| promise(planner.keyframes_at_once(&phases, settings)))
     }
 

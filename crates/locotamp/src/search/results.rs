@@ -11,7 +11,7 @@ use super::{Nearest, Run};
 use crate::api::{Alternative, Attempt, Event, Found, Outcome, Reached, Request};
 use crate::journal::{self, PointEntry, Tried};
 use crate::refine::{self, Refined};
-use ocp::{Motion, Settings};
+use ocp::{Motion, NEARLY_SOLVED, Settings};
 use symbolic::Sequence;
 
 /// Motions that others may start from.
@@ -161,11 +161,13 @@ impl Run<'_> {
             self.found_unchanged |= !left;
             self.failures.succeeded(&sequence.states);
         } else {
-            if let Some(phase) = done.worst_phase {
+            let worst = done.worst_phase.filter(|_| done.violation > NEARLY_SOLVED);
+            if let Some(phase) = worst {
                 (self.failures).failed(number, &sequence.states, phase, done.violation);
             }
             if coarse.is_none() {
-                (self.growth).failed(&sequence.states, &done.costs(promise));
+                let costs = done.costs(promise);
+                self.growth.failed(&sequence.states, &costs, worst);
             }
         }
         let attempt = Attempt {

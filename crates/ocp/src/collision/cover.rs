@@ -89,7 +89,7 @@ pub(super) fn cover(pose: &Pose, shape: &Shape, out: &mut Vec<Ball>) {
 }
 
 /// Points that stand for an object: the corners and edge middles of a box, the balls of anything else.
-pub(super) fn corners(placed: &PlacedShape, out: &mut Vec<Ball>) {
+pub(crate) fn corners(placed: &PlacedShape, out: &mut Vec<Ball>) {
     let Shape::Box { half_size } = &placed.shape else {
         cover(&placed.body_from_shape, &placed.shape, out);
         return;

@@ -17,7 +17,8 @@ mod watch;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use cover::{corners, parts};
+pub(crate) use cover::corners;
+use cover::parts;
 use links::{LinkShape, SelfPair};
 pub use pairs::{Pair, Place};
 pub use passages::{Crossing, Crossings};

@@ -110,7 +110,10 @@ impl Builder<'_> {
             body: Body::World,
             body_from_frame: pose,
         };
-        for (o, poses) in resting::poses(self.scene, phases).iter().enumerate() {
+        for (o, poses) in resting::poses(self.scene, phases, self.program.settings.arrangement, &[])
+            .iter()
+            .enumerate()
+        {
             let rests = |k: usize| resting::support(self.scene, o, &phases[k]).is_some();
             let p = &mut self.program;
             let object = Carrier {
