@@ -78,8 +78,8 @@ pub fn poses(
                 .filter_map(|(r, at)| Some((r, (*at)?)))
         };
         let own = known().filter(|(r, _)| r.object == rest.object);
-        let earlier = own.filter(|(r, _)| r.phases.end <= rest.phases.start);
-        let from = earlier.last().map_or(start(rest.object), |(_, at)| at);
+        let mut earlier = own.filter(|(r, _)| r.phases.end <= rest.phases.start);
+        let from = earlier.next_back().map_or(start(rest.object), |(_, at)| at);
         let others = known().filter(|(r, _)| r.shares_with(rest));
         let others: Vec<_> = others.map(|(r, at)| (r.contact, at)).collect();
         let below = match scene.interfaces[rest.contact.b.0].owner {
@@ -180,7 +180,7 @@ fn bounds(object: &Object, pose: &Pose) -> [Vector3<f64>; 2] {
     for shape in &object.shapes {
         corners(shape, &mut balls);
     }
-    let none = [f64::INFINITY, f64::NEG_INFINITY].map(|x| Vector3::repeat(x));
+    let none = [f64::INFINITY, f64::NEG_INFINITY].map(Vector3::repeat);
     balls.iter().fold(none, |[low, high], (center, radius)| {
         let center = pose.act(*center);
         let reach = Vector3::repeat(*radius);
