@@ -140,9 +140,9 @@ impl<'a> Ask<'a> {
         (less_violated(first, second), resist, vec![guess, forward])
     }
 
-    /// Solves from keyframes of the first phases, then from another guess, if there is one, then from one from the sequence alone, from
-    /// that with objects the other way round, then, for few phases and unless these ended far from satisfying everything, from one solved boundary by boundary if
-    /// clearances resist, and from the first and the last with short steps.
+    /// Solves from keyframes of the first phases, then from another guess, if there is one, then from one from the sequence alone, the
+    /// first and the last with objects the other way round too, then, for few phases and unless these ended far from satisfying
+    /// everything, from one solved boundary by boundary if clearances resist, and from the first and the last with short steps.
     pub(super) fn answer_after(
         &self,
         known: &[Vec<f64>],
