@@ -1,28 +1,9 @@
 //! Plans as NumPy arrays from outside: what the file holds, and what is said of files that cannot be read or written.
 
-use crate::{hopper, locotamp, stderr, stdout};
+use crate::{locotamp, planned, refused, stderr, stdout};
 use std::fs;
 use std::io::Read;
 use std::path::Path;
-
-/// A folder with a plan of the hopper, `plan.json`.
-fn planned() -> tempfile::TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    let scene = hopper();
-    let scene = scene.to_str().expect("paths of this repository are text");
-    let output = locotamp(folder.path(), &["plan", scene, "--out", ".", "--quiet"]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    folder
-}
-
-/// Runs `export` with more arguments, which must be refused; its message.
-fn refused(folder: &Path, arguments: &[&str]) -> String {
-    let output = locotamp(folder, &[&["export"], arguments].concat());
-    let message = stderr(&output);
-    assert_eq!(output.status.code(), Some(2), "{message}");
-    assert_eq!(stdout(&output), "");
-    message
-}
 
 /// The last bytes of an array in an archive, as numbers.
 fn last_numbers<const N: usize>(archive: &Path, array: &str) -> [f64; N] {
@@ -87,7 +68,7 @@ fn what_cannot_be_exported_is_refused_with_its_name() {
     let folder = planned();
     let path = folder.path();
     let says = |arguments: &[&str], part: &str| {
-        let message = refused(path, arguments);
+        let message = refused(path, &[&["export"], arguments].concat());
         assert!(message.contains(part), "{message}");
     };
     says(&["none.json", "--out", "a.npz"], "none.json");
@@ -116,7 +97,7 @@ fn what_cannot_be_exported_is_refused_with_its_name() {
 fn a_rate_that_is_no_rate_is_bad_usage() {
     let folder = tempfile::tempdir().unwrap();
     for rate in ["0", "-50", "nan", "1e9", "fast"] {
-        let arguments = ["plan.json", "--out", "a.npz", "--rate", rate];
+        let arguments = ["export", "plan.json", "--out", "a.npz", "--rate", rate];
         let message = refused(folder.path(), &arguments);
         assert!(
             message.contains("--rate")

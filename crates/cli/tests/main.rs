@@ -34,3 +34,22 @@ fn stdout(output: &Output) -> String {
 fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
+
+/// A folder with a plan of the hopper, `plan.json`.
+fn planned() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = hopper();
+    let scene = scene.to_str().expect("paths of this repository are text");
+    let output = locotamp(folder.path(), &["plan", scene, "--out", ".", "--quiet"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    folder
+}
+
+/// Runs a command that must be refused; its message.
+fn refused(folder: &std::path::Path, arguments: &[&str]) -> String {
+    let output = locotamp(folder, arguments);
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert_eq!(stdout(&output), "");
+    message
+}

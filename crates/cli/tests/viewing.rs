@@ -1,27 +1,7 @@
 //! Pages and figures from outside: what is written, and what is said of files that cannot be shown.
 
-use crate::{hopper, locotamp, stderr, stdout};
+use crate::{locotamp, planned, refused, stderr, stdout};
 use std::fs;
-use std::path::Path;
-
-/// A folder with a plan of the hopper, `plan.json`.
-fn planned() -> tempfile::TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    let scene = hopper();
-    let scene = scene.to_str().expect("paths of this repository are text");
-    let output = locotamp(folder.path(), &["plan", scene, "--out", ".", "--quiet"]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    folder
-}
-
-/// Runs a command that must be refused; its message.
-fn refused(folder: &Path, arguments: &[&str]) -> String {
-    let output = locotamp(folder, arguments);
-    let message = stderr(&output);
-    assert_eq!(output.status.code(), Some(2), "{message}");
-    assert_eq!(stdout(&output), "");
-    message
-}
 
 #[test]
 fn a_page_is_one_file_without_links_to_the_network() {
