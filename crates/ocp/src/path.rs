@@ -152,13 +152,16 @@ fn solve(program: Program, mut point: Point) -> (Point, Program, Report) {
 mod tests {
     use super::*;
     use crate::collision::samples::Sequence;
-    use crate::settings::Preset;
+    use crate::settings::{Arrangement, Preset};
 
     #[test]
     fn a_box_goes_over_another_that_stands_between_it_and_its_place() {
         let Sequence { scene, phases } = Sequence::with_steps("tasks/beyond.toml", STEPS);
         let planner = Planner::new(&scene).unwrap();
-        let settings = Settings::new(Preset::Default, &scene.optimiser);
+        let settings = Settings {
+            arrangement: Arrangement::EarlierBeside,
+            ..Settings::new(Preset::Default, &scene.optimiser)
+        };
         let keyframes = planner.keyframes(&phases, &settings);
         assert!(keyframes.possible);
         let straight = guess::straight(&planner.system, &keyframes.nodes, STEPS);
