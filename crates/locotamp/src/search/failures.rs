@@ -5,7 +5,6 @@
 //! evidence and no proof: a sequence is left out only after [`MOST`] failures at the same place and without any motion through it.
 
 use super::places::{Place, Places};
-use ocp::NEARLY_SOLVED;
 use std::collections::{BTreeMap, BTreeSet};
 use symbolic::ContactState;
 
@@ -29,12 +28,8 @@ impl Failures {
         }
     }
 
-    /// Takes note of sequence `number`, which failed in phase `phase` (from 0) by so much (scaled rows): what is nearly a motion says
-    /// nothing of what is possible.
-    pub fn failed(&mut self, number: usize, states: &[ContactState], phase: usize, violation: f64) {
-        if violation <= NEARLY_SOLVED {
-            return;
-        }
+    /// Takes note of sequence `number`, which failed in phase `phase` (from 0).
+    pub fn failed(&mut self, number: usize, states: &[ContactState], phase: usize) {
         let place = self.places.at(states, phase);
         self.numbers.entry(place).or_default().push(number);
     }
@@ -65,7 +60,7 @@ mod tests {
         let mut failures = Failures::default();
         for number in 1..=3 {
             assert_eq!(failures.known(&sequence(&[5, 1, 2, 3])), None);
-            failures.failed(number, &sequence(&[number + 3, 1, 2, 3]), 2, 0.1);
+            failures.failed(number, &sequence(&[number + 3, 1, 2, 3]), 2);
         }
         let expected = [1, 2, 3];
         let known = failures.known(&sequence(&[9, 9, 1, 2, 3]));
@@ -73,14 +68,5 @@ mod tests {
         assert_eq!(failures.known(&sequence(&[1, 2, 4])), None);
         failures.succeeded(&sequence(&[1, 2, 3, 3]));
         assert_eq!(failures.known(&sequence(&[9, 9, 1, 2, 3])), None);
-    }
-
-    #[test]
-    fn what_is_nearly_a_motion_is_no_failure() {
-        let mut failures = Failures::default();
-        for number in 1..=4 {
-            failures.failed(number, &sequence(&[1, 2, 3]), 1, NEARLY_SOLVED);
-        }
-        assert_eq!(failures.known(&sequence(&[1, 2, 3])), None);
     }
 }

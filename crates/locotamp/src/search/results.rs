@@ -11,7 +11,7 @@ use super::{Nearest, Run};
 use crate::api::{Alternative, Attempt, Event, Found, Outcome, Reached, Request};
 use crate::journal::{self, PointEntry, Tried};
 use crate::refine::{self, Refined};
-use ocp::{Motion, NEARLY_SOLVED, Settings};
+use ocp::{Motion, Settings};
 use symbolic::Sequence;
 
 /// Motions that others may start from.
@@ -161,9 +161,9 @@ impl Run<'_> {
             self.found_unchanged |= !left;
             self.failures.succeeded(&sequence.states);
         } else {
-            let worst = done.worst_phase.filter(|_| done.violation > NEARLY_SOLVED);
+            let worst = done.failed_phase();
             if let Some(phase) = worst {
-                (self.failures).failed(number, &sequence.states, phase, done.violation);
+                self.failures.failed(number, &sequence.states, phase);
             }
             if coarse.is_none() {
                 let costs = done.costs(promise);

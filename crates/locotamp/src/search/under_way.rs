@@ -82,6 +82,7 @@ impl UnderWay {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ocp::NEARLY_SOLVED;
     use symbolic::Sequence;
 
     fn candidate(number: usize) -> Candidate {
@@ -136,5 +137,19 @@ mod tests {
         let (clock, taken, _) = under_way.take_next().expect("the first is next");
         assert_eq!((clock, taken.number), (40, 1));
         assert!(under_way.is_empty());
+    }
+
+    #[test]
+    fn what_is_nearly_a_motion_has_failed_nowhere() {
+        let failed = |violation| {
+            let result = Evaluated {
+                violation,
+                worst_phase: Some(3),
+                ..result(1)
+            };
+            result.failed_phase()
+        };
+        assert_eq!(failed(1.1 * NEARLY_SOLVED), Some(3));
+        assert_eq!(failed(NEARLY_SOLVED), None);
     }
 }

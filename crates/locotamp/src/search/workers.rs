@@ -6,7 +6,7 @@ use crate::api::Event;
 use crate::journal::{Coarse, PointEntry, Tried};
 use crate::refine::{hold, on_finer_grid, on_which_it_holds};
 use crate::{export, summary};
-use ocp::{CostTerm, Motion, Phase, Planner, Point, Refinement, Relative, Settings};
+use ocp::{CostTerm, Motion, NEARLY_SOLVED, Phase, Planner, Point, Refinement, Relative, Settings};
 use plan::Plan;
 use solver::Iteration;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -81,6 +81,11 @@ impl Evaluated {
             plan: None,
             relative: None,
         }
+    }
+
+    /// Phase of the most violated row of a motion that is none; what is nearly one says nothing of what is possible.
+    pub fn failed_phase(&self) -> Option<usize> {
+        self.worst_phase.filter(|_| self.violation > NEARLY_SOLVED)
     }
 
     /// Its costs, where its keyframes promised this one.
