@@ -4,7 +4,8 @@
 //! than twice what was promised is strained. None that was tried held on a finer grid (benches/runs/2026-11-27-strained.md). What it
 //! costs more is expected of other sequences with the same dearest step too, until one of them has a motion that is not strained.
 //!
-//! Where an attempt fails without having cost much, others that do the same there wait behind what promises a little more.
+//! Where an attempt fails without having cost much, others that do the same there wait behind what promises a little more. So do those
+//! that have a motion on the coarse grid, if another one failed there on the finer grid.
 
 use super::places::{Place, Places};
 use scene::Objective;
@@ -15,7 +16,8 @@ use symbolic::ContactState;
 const STRAINED: f64 = 2.0;
 /// Promises below this count as this much: a few steps more or less of so short a motion say nothing.
 const LEAST_PROMISE: f64 = 10.0;
-/// What a failure adds to the cost that is expected of others at its place, in what was promised.
+/// What a failure adds to the cost that is expected of others at its place, in what was promised; on the finer grid, in what its coarse
+/// motion cost.
 const DOUBT: f64 = 0.25;
 
 /// What is known of costs.
@@ -32,6 +34,10 @@ pub(super) struct Growth {
     doubtful: BTreeMap<Place, f64>,
     /// Where motions passed that are not strained.
     passed: BTreeSet<Place>,
+    /// What failures on the finer grid add, by the phase of the most violated row.
+    unheld: BTreeMap<Place, f64>,
+    /// Where motions passed on the finer grid.
+    held: BTreeSet<Place>,
 }
 
 /// What a motion costs.
@@ -80,6 +86,25 @@ impl Growth {
         }
     }
 
+    /// Takes note of a motion that does not hold on the finer grid, in phase `worst` (from 0); on the coarse grid it cost `effort` without
+    /// what is for the scene's objective.
+    pub fn did_not_hold(&mut self, states: &[ContactState], effort: f64, worst: usize) {
+        if worst < states.len() {
+            let place = self.places.at(states, worst);
+            *self.unheld.entry(place).or_default() += DOUBT * effort.max(LEAST_PROMISE);
+        }
+    }
+
+    /// The same of one that holds.
+    pub fn holds(&mut self, states: &[ContactState]) {
+        self.held.extend(self.places.of(states));
+    }
+
+    /// What a sequence whose coarse motion costs so much is likely to cost: more, where others failed on the finer grid.
+    pub fn expected_to_hold(&self, states: &[ContactState], cost: f64) -> f64 {
+        cost + most(&self.places.of(states), &self.unheld, &self.held)
+    }
+
     fn strained_at(&mut self, states: &[ContactState], costs: &Costs) {
         if let Some(phase) = costs.dearest_phase.filter(|&phase| phase < states.len()) {
             let more = costs.cost - costs.promise;
@@ -92,11 +117,13 @@ impl Growth {
     /// What a motion is likely to cost: as much more than promised as half of those that are not strained did, and what a step adds
     /// that is known to be strained, or at which others failed.
     pub fn expected(&self, states: &[ContactState], promise: f64) -> f64 {
-        let unpassed = |place: &Place| !self.passed.contains(place);
-        let places = self.places.of(states).into_iter().filter(unpassed);
-        let more = places
-            .flat_map(|place| [&self.strained, &self.doubtful].map(|m| m.get(&place).copied()));
-        promise + self.usual() + more.flatten().fold(0.0, f64::max)
+        let places = self.places.of(states);
+        let more = [
+            most(&places, &self.strained, &self.passed),
+            most(&places, &self.doubtful, &self.passed),
+            most(&places, &self.unheld, &self.held),
+        ];
+        promise + self.usual() + more.into_iter().fold(0.0, f64::max)
     }
 
     /// The median; 0 if nothing is known.
@@ -105,6 +132,13 @@ impl Growth {
         more.sort_by(f64::total_cmp);
         more.get(more.len() / 2).copied().unwrap_or(0.0)
     }
+}
+
+/// The most that one of these places adds where no motion passed.
+fn most(places: &[Place], more: &BTreeMap<Place, f64>, passed: &BTreeSet<Place>) -> f64 {
+    let unpassed = places.iter().filter(|place| !passed.contains(*place));
+    let here = unpassed.filter_map(|place| more.get(place).copied());
+    here.fold(0.0, f64::max)
 }
 
 #[cfg(test)]
@@ -143,6 +177,21 @@ mod tests {
         assert_eq!(growth.expected(&sequence(&[2, 3, 4]), 24.0), 24.0);
         growth.found(&sequence(&[1, 2, 3, 9]), &costs(20.0, 20.0, 1));
         assert_eq!(growth.expected(&there(), 24.0), 24.0);
+    }
+
+    #[test]
+    fn a_motion_waits_where_others_failed_on_the_finer_grid_until_one_holds_there() {
+        let mut growth = Growth::default();
+        let there = sequence(&[7, 1, 2, 3, 8]);
+        growth.did_not_hold(&sequence(&[5, 1, 2, 3]), 40.0, 2);
+        assert_eq!(growth.expected_to_hold(&there, 30.0), 40.0);
+        assert_eq!(growth.expected(&there, 30.0), 40.0);
+        assert_eq!(growth.expected_to_hold(&sequence(&[2, 3, 4]), 30.0), 30.0);
+        // A motion on the coarse grid is none on the finer one.
+        growth.found(&there, &costs(30.0, 30.0, 1));
+        assert_eq!(growth.expected_to_hold(&there, 30.0), 40.0);
+        growth.holds(&sequence(&[1, 2, 3, 9]));
+        assert_eq!(growth.expected_to_hold(&there, 30.0), 30.0);
     }
 
     #[test]

@@ -142,7 +142,7 @@ impl Run<'_> {
             match &candidate.coarse {
                 Some(coarse) => Waiting {
                     has_motion: true,
-                    cost: coarse.cost,
+                    cost: self.growth.expected_to_hold(states, coarse.cost),
                     is_strained: self.growth.is_strained(promise, coarse.cost),
                 },
                 None => Waiting {

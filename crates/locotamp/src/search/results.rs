@@ -160,14 +160,22 @@ impl Run<'_> {
                 .is_some_and(|coarse| coarse.is_left(done.cost, done.objective));
             self.found_unchanged |= !left;
             self.failures.succeeded(&sequence.states);
+            self.growth.holds(&sequence.states);
         } else {
             let worst = done.failed_phase();
             if let Some(phase) = worst {
                 self.failures.failed(number, &sequence.states, phase);
             }
-            if coarse.is_none() {
-                let costs = done.costs(promise);
-                self.growth.failed(&sequence.states, &costs, worst);
+            match (&coarse, worst) {
+                (None, _) => {
+                    let costs = done.costs(promise);
+                    self.growth.failed(&sequence.states, &costs, worst);
+                }
+                (Some(coarse), Some(phase)) => {
+                    let effort = coarse.cost - coarse.objective;
+                    self.growth.did_not_hold(&sequence.states, effort, phase);
+                }
+                _ => {}
             }
         }
         let attempt = Attempt {
