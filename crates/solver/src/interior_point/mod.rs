@@ -89,7 +89,7 @@ impl<P: Problem> InteriorPoint<P> {
             fixed: Fixed::new(structure),
             data: elements().map(ElementData::new).collect(),
             newton_hessians: elements()
-                .map(|e| vec![0.0; triangle(e.vars.len())]) // no memory before it is written
+                .map(|e| unwritten(triangle(e.vars.len())))
                 .collect(),
             trial: elements().map(ElementData::of_values).collect(),
             scratch: Scratch {
