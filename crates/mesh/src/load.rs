@@ -3,12 +3,15 @@
 use crate::collada::{self, Group};
 use mesh_loader::Loader;
 use nalgebra::Vector3;
+use std::borrow::Cow;
 use std::path::Path;
 use std::{fs, io};
 
 /// Larger files are not read [bytes].
 const LARGEST: u64 = 100_000_000;
 
+/// Before the number of triangles of a binary STL [bytes].
+const BINARY_STL_HEADER: usize = 80;
 /// No corner is further away than that [m].
 const FARTHEST: f64 = 1e6;
 
@@ -51,7 +54,7 @@ fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<Group>, Fault> {
     let loader = Loader::default();
     let ending = path.extension().unwrap_or_default().to_string_lossy();
     let scene = match ending.to_lowercase().as_str() {
-        "stl" => loader.load_stl_from_slice(bytes, path),
+        "stl" => loader.load_stl_from_slice(&unlike_text(bytes), path),
         "obj" => loader.load_obj_from_slice_with_reader(bytes, path, read),
         "dae" => {
             return collada::groups(&String::from_utf8_lossy(bytes)).map_err(Fault::Broken);
@@ -72,6 +75,17 @@ fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<Group>, Fault> {
     Ok(groups.collect())
 }
 
+/// An STL without the first 80 bytes of a binary one that begin with `solid`, as some programs write them: they mean nothing, but readers
+/// take it for text. In text no byte is zero; the last one of a binary one's number of triangles is.
+fn unlike_text(stl: &[u8]) -> Cow<'_, [u8]> {
+    if stl.starts_with(b"solid") && stl.get(BINARY_STL_HEADER + 3) == Some(&0) {
+        let mut binary = stl.to_vec();
+        binary[..BINARY_STL_HEADER].fill(0);
+        return binary.into();
+    }
+    stl.into()
+}
+
 /// The group in metres; corners are finite, and those of triangles are there.
 fn scaled(mut group: Group, scale: &Vector3<f64>) -> Result<Group, String> {
     for place in &mut group.places {
@@ -86,4 +100,27 @@ fn scaled(mut group: Group, scale: &Vector3<f64>) -> Result<Group, String> {
         return Err("a triangle has a corner that is not there".into());
     }
     Ok(group)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_stl_is_binary_though_its_header_says_solid_and_text_where_it_is() {
+        let triangle = [[0.0_f32; 3], [0.0; 3], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
+        let mut binary = b"solid foot".to_vec();
+        binary.resize(80, b' ');
+        binary.extend(1_u32.to_le_bytes());
+        binary.extend(triangle.iter().flatten().flat_map(|x| x.to_le_bytes()));
+        binary.extend([0, 0]);
+        let text = "solid foot\n facet normal 0 0 0\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n   \
+                    vertex 0 2 0\n  endloop\n endfacet\nendsolid foot\n";
+        for bytes in [&binary[..], text.as_bytes()] {
+            let groups = parse(Path::new("foot.stl"), bytes);
+            let groups = groups.unwrap_or_else(|_| panic!("it is read"));
+            assert_eq!(groups[0].faces.len(), 1);
+            assert!(groups[0].places.contains(&Vector3::new(0.0, 2.0, 0.0)));
+        }
+    }
 }
