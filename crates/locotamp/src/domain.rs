@@ -216,10 +216,6 @@ const LOW: f64 = 100.0;
 /// Cost of a foot set on a wall or a slope: as much as four swings [phases].
 const STEEP: f64 = 8.0;
 
-/// Cost of every step into a state in which hands hold up what a foot stands on [phases]: nobody lifts himself, so that it helps nowhere,
-/// though it can be done while another foot bears all.
-const ADRIFT: f64 = 8.0;
-
 /// Cost of ending with a foot in the air where the goal raises one [phases]: as much as the landing that it saves; and by how much
 /// higher than at the start it must be for that [m].
 const RAISED: f64 = 1.0;
@@ -284,8 +280,7 @@ pub(crate) fn end_cost(scene: &Scene) -> Option<EndCost> {
     }))
 }
 
-/// A cost beside these: setting a foot on what does not face up at the start, or by a long stride from where others stand; standing on
-/// what hands hold up.
+/// A cost beside these: setting a foot on what does not face up at the start, or by a long stride from where others stand.
 pub(crate) fn own_cost(scene: &Scene) -> ExtraCost {
     let faces_up = |i: &scene::Interface| match i.owner {
         Owner::Robot { .. } => false,
@@ -298,7 +293,6 @@ pub(crate) fn own_cost(scene: &Scene) -> ExtraCost {
     // Where the base is to get high, long strides are what may help.
     let strides = (scene.objective != Objective::BaseHeight).then(|| Strides::new(scene));
     let steep: Vec<bool> = scene.interfaces.iter().map(|i| !faces_up(i)).collect();
-    let sides: Vec<Side> = scene.interfaces.iter().map(side).collect();
     Box::new(move |step: &Step<'_>| {
         let domain = step.graph.domain();
         let is_foot = |i| domain.is_effector(i, symbolic::Role::Foot);
@@ -316,47 +310,8 @@ pub(crate) fn own_cost(scene: &Scene) -> ExtraCost {
             effort.unwrap_or(0.0) + if steep[c.b.0] { STEEP } else { 0.0 }
         };
         let landings = step.action.makes.iter().filter(|c| is_foot(c.a));
-        let landed: f64 = landings.map(cost).sum();
-        let adrift = lifts_what_it_stands_on(after, &sides);
-        landed + if adrift { ADRIFT } else { 0.0 }
+        landings.map(cost).sum()
     })
-}
-
-/// Whose surface an interface is.
-#[derive(Debug, Clone, Copy)]
-enum Side {
-    Foot,
-    Hand,
-    Object(usize),
-    Fixed,
-}
-
-fn side(interface: &scene::Interface) -> Side {
-    match (&interface.owner, interface.role) {
-        (Owner::Robot { .. }, Role::Foot) => Side::Foot,
-        (Owner::Robot { .. }, _) => Side::Hand,
-        (Owner::Object(o), _) => Side::Object(*o),
-        (Owner::Static(_), _) => Side::Fixed,
-    }
-}
-
-/// True if a foot stands on an object that hands hold and nothing bears; of every interface its side.
-fn lifts_what_it_stands_on(state: &ContactState, sides: &[Side]) -> bool {
-    // By object: feet, hands, others.
-    let mut touching: BTreeMap<usize, [bool; 3]> = BTreeMap::new();
-    for c in state.iter() {
-        for (this, other) in [(c.a, c.b), (c.b, c.a)] {
-            if let Side::Object(o) = sides[this.0] {
-                let by = match sides[other.0] {
-                    Side::Foot => 0,
-                    Side::Hand => 1,
-                    Side::Object(_) | Side::Fixed => 2,
-                };
-                touching.entry(o).or_default()[by] = true;
-            }
-        }
-    }
-    touching.values().any(|by| *by == [true, true, false])
 }
 
 /// True if where the feet end matters: the search then looks ahead.
@@ -433,25 +388,6 @@ mod tests {
         assert_eq!(both, skeletons_with(""));
         assert_eq!(both.ending, Some(symbolic::Ending::Every));
         assert_eq!(both.max_phases, Some(9));
-    }
-
-    #[test]
-    fn a_robot_that_stands_on_what_it_lifts_is_told_from_one_whose_box_stands_on_something() {
-        let sides = [Side::Foot, Side::Hand, Side::Object(0), Side::Fixed];
-        let state = |pairs: &[(usize, usize)]| {
-            let contact = |&(a, b): &(usize, usize)| Contact {
-                a: InterfaceId(a),
-                b: InterfaceId(b),
-                kind: ContactType::UnilateralPatch,
-            };
-            ContactState {
-                contacts: pairs.iter().map(contact).collect(),
-            }
-        };
-        let lifts = |pairs| lifts_what_it_stands_on(&state(pairs), &sides);
-        assert!(lifts(&[(0, 2), (1, 2)]));
-        assert!(!lifts(&[(0, 2), (1, 2), (2, 3)]));
-        assert!(!lifts(&[(0, 2)]) && !lifts(&[(0, 3), (1, 2)]));
     }
 
     #[test]
