@@ -75,8 +75,8 @@ fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<Group>, Fault> {
     Ok(groups.collect())
 }
 
-/// An STL without the first 80 bytes of a binary one that begin with `solid`, as some programs write them: they mean nothing, but readers
-/// take it for text. In text no byte is zero; the last one of a binary one's number of triangles is.
+/// A binary STL with an empty header: some programs begin it with `solid`, which readers take for text. Text has no bytes that are
+/// zero; the last byte of the number of triangles is.
 fn unlike_text(stl: &[u8]) -> Cow<'_, [u8]> {
     if stl.starts_with(b"solid") && stl.get(BINARY_STL_HEADER + 3) == Some(&0) {
         let mut binary = stl.to_vec();
