@@ -266,8 +266,7 @@ fn known(
     fits.then(|| planner.keyframes_at(configurations, phases, settings))?
 }
 
-/// Keyframes from the sequence alone or, unless that ended hopelessly far from satisfying the contacts, as the search finds
-/// them: beginning by beginning.
+/// Keyframes from the sequence alone or, if that fails, as the search finds them: beginning by beginning.
 fn keyframes(
     planner: &Planner,
     phases: &[Phase],
@@ -275,9 +274,10 @@ fn keyframes(
     request: &Request,
 ) -> Keyframes {
     let found = planner.keyframes(phases, settings);
-    if found.possible || found.is_hopeless() {
+    if found.possible {
         return found;
     }
+    let settings = &search::balanced(settings.clone());
     let steps = planner.scene.search.steps;
     let limits = (Instant::now(), request.time_limit, request.stop.clone());
     let mut checks = Checks::new(

@@ -31,6 +31,8 @@ const NEAR: f64 = 0.02;
 /// Violation (m, rad) from which no other guess is tried: out of reach, not caught in a local minimum
 /// (benches/runs/2026-11-21-tree-search.md).
 const HOPELESS: f64 = 0.1;
+/// How far above its place an object is out of the way [m].
+const ELSEWHERE: f64 = 3.0;
 /// Phases of a beginning up to which the slow attempts are made too.
 const CAREFUL_PHASES: usize = 8;
 /// Largest violation of a keyframe set that still counts as possible, in the rows' own units (m, rad).
@@ -139,6 +141,43 @@ impl Planner<'_> {
             q[robot.clone()].copy_from_slice(&now[robot.clone()]);
         }
         guess
+    }
+
+    /// Keyframes of phases whose last state the robot enters from the air, wherever it then is, and whatever objects are `elsewhere`,
+    /// which nothing holds: the goal aside.
+    pub fn keyframes_anywhere(
+        &self,
+        phases: &[Phase],
+        settings: &Settings,
+        elsewhere: &[usize],
+    ) -> Keyframes {
+        let (scene, system) = (self.scene, &self.system);
+        let ask = Ask::new(self, phases, settings, Grid::OpenKeyframes);
+        let start = system.start(scene);
+        let guess = |from: Vec<f64>| {
+            let mut there = start.clone();
+            there[..system.robot_nq].copy_from_slice(&from[..system.robot_nq]);
+            for &o in elsewhere {
+                there[system.object_q(o) + 2] += ELSEWHERE;
+            }
+            let mut nodes = vec![start.clone(); phases.len() + 1];
+            let n = nodes.len();
+            nodes[n - 2..].fill(there);
+            nodes
+        };
+        let state = &phases[phases.len() - 1].state;
+        let guesses: Vec<_> = state_guess::states(scene, system, state)
+            .into_iter()
+            .map(guess)
+            .collect();
+        let solve = |nodes: &Vec<Vec<f64>>| ask.solve(nodes.clone(), ask.near(nodes, NEAR)).0;
+        let mut best = solve(&guesses[0]);
+        for nodes in &guesses[1..] {
+            if !best.possible {
+                best = less_violated(best, solve(nodes));
+            }
+        }
+        ask.carefully(best, true, guesses)
     }
 
     /// Keyframes from a guess of all configurations; `open` leaves out the goal regions. Only this guess is tried.

@@ -31,6 +31,21 @@ impl Checks<'_> {
         answer
     }
 
+    /// The same of one that ends, after a flight, with objects where they are at the start, the others wherever they are.
+    pub(super) fn before_moved(&mut self, phases: &[Phase], unmoved: &[usize]) -> Answer {
+        let states: States = phases.iter().map(|p| self.names(&p.state)).collect();
+        if let Some(known) = self.journal.prefix(&states) {
+            return known.clone();
+        }
+        let clock = Instant::now();
+        let moved = |o: &usize| !unmoved.contains(o);
+        let moved: Vec<usize> = (0..self.scene.objects.len()).filter(moved).collect();
+        let found = (self.planner).keyframes_anywhere(phases, self.settings, &moved);
+        let answer = self.answer(states, &found, clock);
+        self.journal.note_prefix(answer.clone());
+        answer
+    }
+
     /// Keyframes of a whole sequence, goal regions included.
     pub fn keyframes(&mut self, phases: &[Phase]) -> Keyframes {
         let found = self.keyframes_by_beginnings(phases);

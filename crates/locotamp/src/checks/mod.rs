@@ -184,9 +184,9 @@ impl<'a> Checks<'a> {
         made.into_iter().any(|c| !on_ground(&c))
     }
 
-    /// The contacts of a state that may exclude one another while objects are where they are at the start: those of the robot
-    /// with the objects and with bounded surfaces, with which the objects' places have to agree. Empty if they concern one
-    /// body only: the robot finds a place beside anything.
+    /// The contacts of a state that may be impossible while objects are where they are at the start: those of the robot with the
+    /// objects, beside which others may stand, and with bounded surfaces, with which the objects' places have to agree. Empty if they
+    /// concern bounded surfaces of one body only: the robot finds a place on it.
     fn bound_by(&self, state: &ContactState, objects: &[usize]) -> ContactState {
         let interface = |i: symbolic::InterfaceId| &self.scene.interfaces[i.0];
         let body = |c: &Contact| match (interface(c.a).owner, interface(c.b).owner) {
@@ -197,17 +197,17 @@ impl<'a> Checks<'a> {
             _ => None,
         };
         let bodies: BTreeSet<_> = state.iter().filter_map(|c| body(&c)).collect();
-        if bodies.len() < 2 {
+        if bodies.len() < 2 && bodies.iter().all(|body| body.0 == 1) {
             return ContactState::default();
         }
         state.iter().filter(|c| body(c).is_some()).collect()
     }
 
     /// The contacts of objects with what is no robot.
-    fn resting(&self, state: &ContactState) -> ContactState {
-        let of_robot =
-            |c: &Contact| matches!(self.scene.interfaces[c.a.0].owner, Owner::Robot { .. });
-        state.iter().filter(|c| !of_robot(c)).collect()
+    fn resting(&self, state: &ContactState, objects: &[usize]) -> ContactState {
+        let owner = |c: &Contact| self.scene.interfaces[c.a.0].owner;
+        let of_these = |c: &Contact| objects.iter().any(|&o| owner(c) == Owner::Object(o));
+        state.iter().filter(of_these).collect()
     }
 
     fn phase(&self, state: ContactState) -> Phase {
@@ -246,10 +246,10 @@ impl Oracle for Checks<'_> {
         }
         // From the start the robot gets there through the air.
         let start = self.scene.start_state();
-        let air = self.resting(&start);
+        let air = self.resting(&start, objects);
         let there = air.iter().chain(bound.iter()).collect();
         let phases = [start, air, there].map(|state| self.phase(state));
-        let answer = self.beginning(&phases);
+        let answer = self.before_moved(&phases, objects);
         if answer.possible {
             return Verdict::Accept;
         }

@@ -98,10 +98,7 @@ pub fn plan(
     }
     let contacts = graph.domain().contacts().len();
     let policy = policy(scene, request, graph, &limits);
-    let mut settings = settings(scene, request)?;
-    if request.preset == Preset::Default {
-        settings.weights.balance = BALANCE;
-    }
+    let settings = balanced(settings(scene, request)?);
     let journal = match &request.journal {
         Some(path) => {
             let content = format!("{scene:?} {settings:?}");
@@ -219,6 +216,14 @@ pub(crate) fn settings(scene: &Scene, request: &Request) -> Result<Settings, Err
         },
         ..settings
     })
+}
+
+/// The same with balanced keyframes, but for the problem of the paper.
+pub(crate) fn balanced(mut settings: Settings) -> Settings {
+    if settings.preset == Preset::Default {
+        settings.weights.balance = BALANCE;
+    }
+    settings
 }
 
 /// The same for a motion that all threads work on.

@@ -37,7 +37,7 @@ const MOST_AT_CONTACT: f64 = -0.008;
 /// distance falls short by some millimetres.
 const BESIDE_CONTACT: (f64, f64) = (-0.005, -0.003);
 /// Share of the clearance that is demanded of a hand and its wrist from what the object that it grasps or places stands on.
-const THROUGH: f64 = 0.25;
+pub(super) const THROUGH: f64 = 0.25;
 /// Sixteenths of a phase after a body has left where it stands at the start in which what is near there may still be so.
 const FROM_START: f64 = 6.0;
 /// Slope of the sigmoid penalties of the paper preset [1/m] (the yardstick's).
@@ -134,7 +134,9 @@ impl CollisionModel {
             Clearances::Near { nodes, crossings } => {
                 self.near_pairs(program, scene, phases, nodes, crossings)
             }
-            Clearances::Watched(watched) => self.watched_pairs(program, watched),
+            Clearances::Watched(watched) => {
+                self.watched_pairs(program, scene, phases, watched)
+            },
         }
     }
 

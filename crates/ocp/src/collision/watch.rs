@@ -6,7 +6,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use super::pairs::BLUR;
+use super::pairs::{BLUR, THROUGH};
 use super::{Ball, CollisionModel, Other, Pair, Part, Place, Primitive, Touch, touches};
 use crate::program::{Grid, Phase, Program};
 use crate::system::System;
@@ -30,10 +30,10 @@ pub(super) struct Row {
     a: usize,
     /// Joint that carries the obstacle; `None` for the world.
     b: Option<usize>,
-    /// The pair that may touch; `None` for links of the robot.
-    touch: Option<Touch>,
+    /// The pair that may touch, or the index of a pair of links.
+    pair: Result<Touch, usize>,
     term: Arc<Distance>,
-    /// What it demands [m].
+    /// What it demands at least [m].
     clearance: f64,
     /// A ball around the obstacle, in the frame of b; `None` if it is unbounded.
     bound: Option<Ball>,
@@ -42,7 +42,7 @@ pub(super) struct Row {
 }
 
 impl CollisionModel {
-    /// All rows that a keyframe can have.
+    /// All rows that a keyframe can have, demanding what can be demanded of any.
     pub(super) fn find_rows(&self) -> Vec<Row> {
         let mut out = Vec::new();
         for (a, balls) in self.balls.iter().enumerate() {
@@ -55,7 +55,7 @@ impl CollisionModel {
                 };
                 out.push(row(
                     (a, primitive.joint),
-                    Some((a, other)),
+                    Ok((a, other)),
                     balls,
                     (primitive.obstacle.clone(), primitive.from_body),
                     bound_of(primitive),
@@ -63,10 +63,10 @@ impl CollisionModel {
                 ));
             }
         }
-        for pair in &self.self_pairs {
+        for (index, pair) in self.self_pairs.iter().enumerate() {
             out.push(row(
                 (pair.a, Some(pair.b)),
-                None,
+                Err(index),
                 &pair.balls,
                 (Obstacle::Parts(pair.parts.clone()), Pose::identity()),
                 Some(self.bounds[pair.b]),
@@ -147,16 +147,48 @@ impl CollisionModel {
             };
             kinematics.update(model, q);
             for (index, row) in self.rows.iter().enumerate() {
-                if row.touch.is_some_and(|pair| touching.contains(&pair)) {
+                if row.pair.is_ok_and(|touch| touching.contains(&touch)) {
                     continue;
                 }
+                let demanded = self.demanded(program, row, t, touching);
+                let near = near + (demanded - row.clearance);
                 let distance = self.distance(row, &kinematics, near);
                 if distance < near - BLUR {
-                    is_new |= watched.insert((t, index)) && distance < row.clearance - VIOLATED;
+                    is_new |= watched.insert((t, index)) && distance < demanded - VIOLATED;
                 }
             }
         }
         is_new
+    }
+
+    /// Clearance demanded of a row at a node where these bodies touch [m]: what a motion demands there, less what its row may say more
+    /// than this one, which is of all balls. A lone state, and the end of a beginning, where the next contact may be made, are
+    /// asked for no more than that nothing is inside another.
+    fn demanded(
+        &self,
+        program: &Program,
+        row: &Row,
+        t: usize,
+        touching: &BTreeSet<Touch>,
+    ) -> f64 {
+        let at_end = t == program.n_intervals();
+        let open = program.grid == Grid::State || program.grid == Grid::OpenKeyframes && at_end;
+        let margins = &program.settings.margins;
+        let wish = match row.pair {
+            Err(links) => self.self_pairs[links].clearance(margins.self_clearance),
+            Ok(touch) if open && self.touchable.contains(&touch) => return row.clearance,
+            Ok((a, other)) => {
+                let beside = |&j: &usize| touching.contains(&(j, other));
+                if self.neighbours[a].iter().any(beside) {
+                    return row.clearance;
+                }
+                let limb = self.neighbours[a].iter().copied().chain([a]);
+                let mut held = limb.flat_map(|j| touching.iter().filter(move |touch| touch.0 == j).filter_map(|touch| touch.1.ok()));
+                let through = held.any(|object| touching.contains(&(object, other)));
+                margins.clearance * if through { THROUGH } else { 1.0 }
+            }
+        };
+        row.clearance.max(wish - BLUR)
     }
 
     /// Distance of a row's bodies [m]; infinite if it is more than `near` for sure.
@@ -183,14 +215,24 @@ impl CollisionModel {
     }
 
     /// The rows as pairs for the program.
-    pub(super) fn watched_pairs(&self, program: &Program, watched: &Watched) -> Vec<Pair> {
+    pub(super) fn watched_pairs(
+        &self,
+        program: &Program,
+        scene: &Scene,
+        phases: &[Phase],
+        watched: &Watched,
+    ) -> Vec<Pair> {
+        let touching: Vec<_> = (0..program.nodes.len())
+            .map(|t| Self::touching(scene, program, phases, t))
+            .collect();
         let pair = |&(node, index): &(usize, usize)| {
             let row = &self.rows[index];
+            let demanded = self.demanded(program, row, node, &touching[node]);
             Pair {
                 place: Place::Node(node),
                 a: row.a,
                 b: row.b,
-                term: row.term.clone(),
+                term: Arc::new(row.term.demanding(demanded)),
             }
         };
         let free = |(t, _): &&(usize, usize)| program.nodes[*t].var.is_some();
@@ -200,7 +242,7 @@ impl CollisionModel {
 
 fn row(
     (a, b): (usize, Option<usize>),
-    touch: Option<Touch>,
+    pair: Result<Touch, usize>,
     balls: &[Ball],
     (obstacle, obstacle_from_b): (Obstacle, Pose),
     bound: Option<Ball>,
@@ -213,7 +255,7 @@ fn row(
     Row {
         a,
         b,
-        touch,
+        pair,
         term: Arc::new(Distance::new(
             balls.to_vec(),
             obstacle,

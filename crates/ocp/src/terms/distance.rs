@@ -238,6 +238,16 @@ impl Distance {
         }
     }
 
+    /// The same row demanding another distance [m].
+    pub fn demanding(&self, clearance: f64) -> Self {
+        Self {
+            balls: self.balls.clone(),
+            obstacle: self.obstacle.clone(),
+            clearance,
+            ..*self
+        }
+    }
+
     /// True if the row has levelled out whatever the details. `x` is the pose of a in the obstacle's frame.
     fn is_far(&self, x: &Pose) -> bool {
         let nearest = self.obstacle.roughly_nearest(&x.act(self.balls.bound.0));

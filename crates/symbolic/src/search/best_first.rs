@@ -123,11 +123,7 @@ impl BestFirst {
     fn judge(&mut self, index: u32, oracle: &mut dyn Oracle) {
         let path = states_along(&self.edges(index));
         let graph = &self.expansion.graph;
-        let position = self.tree[index as usize].edge.node.position;
-        if !self
-            .verdicts
-            .accepts(graph, &path, graph.unmoved(position), oracle)
-        {
+        if !self.verdicts.accepts(graph, &path, oracle) {
             return;
         }
         let Beginning {

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::contact::ContactState;
+use crate::contact::{Contact, ContactState};
 use crate::graph::{Node, SkeletonGraph, StateId};
 use crate::search::oracle::{Oracle, Verdict};
 use crate::task_graph::TaskState;
@@ -81,13 +81,11 @@ impl Verdicts {
         &self.rejections
     }
 
-    /// Judges the last state, the last transition and the whole of a path whose beginning is accepted; `unmoved` are the
-    /// objects that have not been moved on it.
+    /// Judges the last state, the last transition and the whole of a path from the start whose beginning is accepted.
     pub(crate) fn accepts(
         &mut self,
         graph: &SkeletonGraph,
         path: &[StateId],
-        unmoved: &[usize],
         oracle: &mut dyn Oracle,
     ) -> bool {
         let Some(&last) = path.last() else {
@@ -95,7 +93,7 @@ impl Verdicts {
         };
         self.counts.judged += 1;
         if !self.accepts_state(graph, last, oracle)
-            || !self.accepts_unmoved(graph, last, unmoved, oracle)
+            || !self.accepts_unmoved(graph, last, &unmoved(graph, path), oracle)
         {
             self.counts.dropped_by_state += 1;
             return false;
@@ -345,5 +343,36 @@ impl Verdicts {
         path.iter().all(|id| self.states.get(id) != Some(&false))
             && path.windows(2).all(transition)
             && (1..=path.len()).all(|n| !self.rejected_prefixes.contains(&path[..n]))
+    }
+}
+
+/// Objects that rest, all along a path, on what they rest on at first, which has not been moved either.
+fn unmoved(graph: &SkeletonGraph, path: &[StateId]) -> Vec<usize> {
+    let domain = graph.domain();
+    let Some(&first) = path.first() else {
+        return vec![];
+    };
+    let rests = |state: &ContactState, object: usize| -> Vec<Contact> {
+        let of_object = |c: &Contact| domain.object_of(c.a) == Some(object);
+        state.iter().filter(of_object).collect()
+    };
+    let objects = 0..domain.objects().len();
+    let stays = |&object: &usize| {
+        let at_first = rests(graph.state(first), object);
+        let same = |&id: &StateId| rests(graph.state(id), object) == at_first;
+        !at_first.is_empty() && path.iter().all(same)
+    };
+    let mut unmoved: Vec<usize> = objects.filter(stays).collect();
+    loop {
+        let on_others = |&object: &usize| {
+            let below = rests(graph.state(first), object);
+            let mut below = below.iter().filter_map(|c| domain.object_of(c.b));
+            below.all(|object| unmoved.contains(&object))
+        };
+        let left: Vec<usize> = unmoved.iter().copied().filter(on_others).collect();
+        if left.len() == unmoved.len() {
+            return left;
+        }
+        unmoved = left;
     }
 }

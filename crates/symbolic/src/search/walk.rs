@@ -108,7 +108,7 @@ impl Walker {
         self.expansion.may_begin()
             && self
                 .verdicts
-                .accepts(&self.expansion.graph, &[root], &[], oracle)
+                .accepts(&self.expansion.graph, &[root], oracle)
     }
 
     /// Walks on to a complete sequence; false if that comes to a dead end, the walk then ends there.
@@ -187,8 +187,7 @@ impl Walker {
             self.verdicts.counts.dropped_by_prefix += 1;
             return false;
         }
-        let unmoved = graph.unmoved(next.edge.node.position);
-        self.verdicts.accepts(graph, &path, unmoved, oracle)
+        self.verdicts.accepts(graph, &path, oracle)
     }
 
     /// The walk as a complete sequence.
