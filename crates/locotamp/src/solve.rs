@@ -267,7 +267,7 @@ fn known(
 }
 
 /// Keyframes from the sequence alone or, if that fails, as the search finds them: beginning by beginning.
-fn keyframes(
+pub(crate) fn keyframes(
     planner: &Planner,
     phases: &[Phase],
     settings: &Settings,

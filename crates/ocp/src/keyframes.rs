@@ -6,7 +6,7 @@
 //! - [`Planner::keyframes`]: one configuration per phase boundary of a sequence from the start, contact places and object
 //!   poses tied across phases, goal regions at the end; [`Planner::keyframes_of_prefix`] without the goal.
 //!
-//! Only geometry, joint limits and clearances count, no statics, so that what a motion can do passes. A state's configuration
+//! Only geometry, joint limits and clearances (those that a motion keeps) count, no statics, so that what a motion can do passes. A state's configuration
 //! may be any of its phase, next to any other state: bodies that some contact of the scene could bring together need no
 //! clearance in it.
 //!
@@ -24,6 +24,7 @@ use crate::state_guess;
 pub(crate) use ask::Ask;
 use ask::less_violated;
 use solver::Report;
+use spatial::Pose;
 use symbolic::ContactState;
 
 /// Distance below which pairs get a row once one is violated [m].
@@ -134,9 +135,19 @@ impl Planner<'_> {
         };
         let robot = 0..system.robot_nq;
         let before = guess[last].clone();
+        let base = |q: &[f64]| q.first_chunk::<7>().map(Pose::from_xyzquat);
         for (k, q) in guess.iter_mut().enumerate() {
             let moved = model.difference(&before, q);
-            let further = model.integrate(&known[last], &moved);
+            let mut further = model.integrate(&known[last], &moved);
+            // Whichever way the robot faces by then, where it goes is in the same direction.
+            if let (Some(from), Some(before), Some(to)) =
+                (base(&known[last]), base(&before), base(q))
+            {
+                let origin = from.origin() + (to.origin() - before.origin());
+                let rotation = to.rotation() * before.rotation().transpose() * from.rotation();
+                let there = Pose::from_parts(rotation, origin);
+                further[..7].copy_from_slice(&there.to_xyzquat());
+            }
             let now = known.get(k).unwrap_or(&further);
             q[robot.clone()].copy_from_slice(&now[robot.clone()]);
         }

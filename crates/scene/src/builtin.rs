@@ -18,12 +18,16 @@ const ROBOTS: [BuiltinRobot; 1] = [BuiltinRobot {
 }];
 
 /// Name and text of every built-in scene.
-const SCENES: [(&str, &str); 5] = [
+const SCENES: [(&str, &str); 6] = [
     (
         "pick-place",
         include_str!("../../../scenes/pick-place.toml"),
     ),
     ("two-box", include_str!("../../../scenes/two-box.toml")),
+    (
+        "three-boxes",
+        include_str!("../../../scenes/three-boxes.toml"),
+    ),
     ("climb", include_str!("../../../scenes/climb.toml")),
     ("lift-box", include_str!("../../../scenes/lift-box.toml")),
     ("side-step", include_str!("../../../scenes/side-step.toml")),

@@ -1,8 +1,8 @@
 //! Searches that look ahead, know what has not been moved, and put steps in.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-use crate::fixtures::{bottom, contact, handle, id, one_box, robot, standing, surface};
+use crate::fixtures::{bottom, contact, handle, id, one_box, robot, standing, surface, two_boxes};
 use symbolic::search::AcceptAll;
 use symbolic::{
     Anew, Contact, ContactState, Costs, Domain, Goal, GraphOptions, Interface, Oracle, Owner,
@@ -111,6 +111,58 @@ fn the_box_is_moved_before_it_is_climbed_and_the_first_sequence_has_no_detour() 
         assert!(shortest <= 13, "{shortest}");
         assert!(legs.asked_unmoved > 0);
     }
+}
+
+/// Compares which objects states are asked about with which still stand where they did.
+struct Places {
+    domain: Domain,
+    asked: BTreeSet<(ContactState, Vec<usize>)>,
+    compared: BTreeSet<usize>,
+}
+
+impl Oracle for Places {
+    fn unmoved(&mut self, state: &ContactState, objects: &[usize]) -> Verdict {
+        self.asked.insert((state.clone(), objects.to_vec()));
+        Verdict::Accept
+    }
+
+    fn prefix(&mut self, states: &[&ContactState]) -> Verdict {
+        let at_first = ["red_box", "green_box"].map(|name| {
+            let bottom = format!("{name}_bottom");
+            contact(&self.domain, &bottom, "table_a_top")
+        });
+        let stays = |&o: &usize| states.iter().all(|state| state.contains(&at_first[o]));
+        let unmoved: Vec<usize> = (0..2).filter(stays).collect();
+        self.compared.insert(unmoved.len());
+        let last = *states.last().expect("a start");
+        assert!(unmoved.is_empty() || self.asked.contains(&(last.clone(), unmoved)));
+        Verdict::Accept
+    }
+}
+
+/// The red box may come back to where it stood, to be taken by the other hand: then it has been moved.
+#[test]
+fn states_are_asked_about_beside_what_has_not_left_its_place() {
+    let domain = two_boxes(2);
+    let pair = |bottom| (id(&domain, bottom), id(&domain, "table_b_top"));
+    let goal = Goal::of_pairs([pair("red_box_bottom"), pair("green_box_bottom")]);
+    let start = standing(
+        &domain,
+        "red_box_bottom on table_a_top, green_box_bottom on table_a_top",
+    );
+    let graph = SkeletonGraph::new(domain.clone(), start, goal, GraphOptions::default());
+    let graph = graph.expect("a problem");
+    let mut search = TreeSearch::new(graph, &SearchLimits::default(), Costs::default(), 1);
+    let mut places = Places {
+        domain,
+        asked: BTreeSet::new(),
+        compared: BTreeSet::new(),
+    };
+    for _ in 0..10 {
+        let sequence = search.next(&mut places).expect("there are many");
+        search.learn(&sequence.states, 0.3);
+    }
+    assert_eq!(places.compared, BTreeSet::from([0, 1, 2]));
 }
 
 /// The platform is near only after `needed` swings on the ground with the box in the air.

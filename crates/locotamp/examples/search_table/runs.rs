@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// The scenes of our own, beside the paper's two.
-const SCENES: [&str; 9] = [
+const SCENES: [&str; 10] = [
     "stairs",
     "handrail",
     "stack",
@@ -16,6 +16,7 @@ const SCENES: [&str; 9] = [
     "support",
     "stepping-stones",
     "behind",
+    "three-boxes",
 ];
 /// Sequences after whose optimisation a run ends in any case: what the paper evaluates, and the default.
 pub const EVALUATED: usize = 200;

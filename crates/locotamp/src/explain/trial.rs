@@ -3,6 +3,7 @@
 use crate::api::{Event, Request};
 use crate::refine;
 use crate::search;
+use crate::solve::keyframes;
 use crate::start::check_start;
 use ocp::{Ending, Keyframes, Motion, Phase, Planner};
 use scene::Scene;
@@ -118,7 +119,7 @@ impl<'a> Trials<'a> {
         }
         let Keyframes {
             nodes, possible, ..
-        } = planner.keyframes(&phases, &settings);
+        } = keyframes(&planner, &phases, &settings, self.request);
         if !possible || effort == Effort::Keyframes {
             return possible.then_some(Success(None));
         }

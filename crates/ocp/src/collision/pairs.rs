@@ -134,9 +134,7 @@ impl CollisionModel {
             Clearances::Near { nodes, crossings } => {
                 self.near_pairs(program, scene, phases, nodes, crossings)
             }
-            Clearances::Watched(watched) => {
-                self.watched_pairs(program, scene, phases, watched)
-            },
+            Clearances::Watched(watched) => self.watched_pairs(program, scene, phases, watched),
         }
     }
 

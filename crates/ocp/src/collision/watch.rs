@@ -164,13 +164,7 @@ impl CollisionModel {
     /// Clearance demanded of a row at a node where these bodies touch [m]: what a motion demands there, less what its row may say more
     /// than this one, which is of all balls. A lone state, and the end of a beginning, where the next contact may be made, are
     /// asked for no more than that nothing is inside another.
-    fn demanded(
-        &self,
-        program: &Program,
-        row: &Row,
-        t: usize,
-        touching: &BTreeSet<Touch>,
-    ) -> f64 {
+    fn demanded(&self, program: &Program, row: &Row, t: usize, touching: &BTreeSet<Touch>) -> f64 {
         let at_end = t == program.n_intervals();
         let open = program.grid == Grid::State || program.grid == Grid::OpenKeyframes && at_end;
         let margins = &program.settings.margins;
@@ -183,7 +177,12 @@ impl CollisionModel {
                     return row.clearance;
                 }
                 let limb = self.neighbours[a].iter().copied().chain([a]);
-                let mut held = limb.flat_map(|j| touching.iter().filter(move |touch| touch.0 == j).filter_map(|touch| touch.1.ok()));
+                let mut held = limb.flat_map(|j| {
+                    touching
+                        .iter()
+                        .filter(move |touch| touch.0 == j)
+                        .filter_map(|touch| touch.1.ok())
+                });
                 let through = held.any(|object| touching.contains(&(object, other)));
                 margins.clearance * if through { THROUGH } else { 1.0 }
             }

@@ -239,6 +239,7 @@ impl Distance {
     }
 
     /// The same row demanding another distance [m].
+    #[must_use]
     pub fn demanding(&self, clearance: f64) -> Self {
         Self {
             balls: self.balls.clone(),

@@ -1,11 +1,15 @@
 //! Keyframe checks and warm starts on sequences of the repository.
 
 use multibody::{CenterOfMass, Kinematics};
-use nalgebra::Vector3;
-use ocp::{Ending, Grid, Integrator, Phase, Planner, Preset, Program, Refinement, Settings};
+use nalgebra::{Vector3, Vector6};
+use ocp::{
+    Arrangement, Ending, Grid, Integrator, Margins, Phase, Planner, Preset, Program, Refinement,
+    Settings,
+};
 use scene::{Scene, SequenceFile};
 use spatial::Pose;
 use std::path::Path;
+use symbolic::{Contact, ContactState, ContactType};
 
 /// Scene, phases and options of a sequence file.
 pub fn sequence(name: &str) -> (Scene, Vec<Phase>, Settings) {
@@ -323,6 +327,89 @@ fn another_first_barrier_is_another_way_to_the_same_motion() {
     let own = other.iterations;
     other.add_work(&usual);
     assert_eq!(other.iterations, own + usual.iterations);
+}
+
+/// Stands on both feet at the start, is in the air, and has both hands on the green box; of the boxes only those of these contacts
+/// are known to be where they were.
+fn squeezing(scene: &Scene, resting: &[&str]) -> [Phase; 3] {
+    let contact = |a: &str, b: &str| Contact {
+        a: scene.interface_id(a).expect("an interface"),
+        b: scene.interface_id(b).expect("an interface"),
+        kind: ContactType::UnilateralPatch,
+    };
+    let rest = resting.iter().map(|&bottom| contact(bottom, "table_a_top"));
+    let air: ContactState = rest.collect();
+    let hands = [
+        ("left_hand", "green_box_left"),
+        ("right_hand", "green_box_right"),
+    ];
+    let hands = hands.map(|(a, b)| contact(a, b));
+    let there = air.iter().chain(hands).collect();
+    [scene.start_state(), air, there].map(|state| Phase { state, steps: 8 })
+}
+
+/// The hand is 55 mm thick where it fits in, and the gap is 65 mm wide: room for it, but not for the clearance too.
+#[test]
+fn a_hand_does_not_go_where_there_is_no_room_for_its_clearance() {
+    let scene = Scene::builtin("three-boxes").expect("a built-in scene");
+    let planner = Planner::new(&scene).expect("a model");
+    let settings = Settings::new(Preset::Default, &scene.optimiser);
+    let object = |name: &str| {
+        scene
+            .objects
+            .iter()
+            .position(|o| o.name == name)
+            .expect("an object")
+    };
+    let beside = squeezing(
+        &scene,
+        &["red_box_bottom", "blue_box_bottom", "green_box_bottom"],
+    );
+    let found = planner.keyframes_anywhere(&beside, &settings, &[]);
+    assert!(!found.possible);
+    let margin = settings.margins.clearance;
+    let none = Settings {
+        margins: Margins {
+            clearance: 0.0,
+            ..settings.margins.clone()
+        },
+        ..settings.clone()
+    };
+    let without = planner.keyframes_anywhere(&beside, &none, &[]);
+    assert!(without.possible, "without {margin} m: {:?}", without.worst);
+    let alone = squeezing(&scene, &["green_box_bottom"]);
+    let elsewhere = [object("red_box"), object("blue_box")];
+    let found = planner.keyframes_anywhere(&alone, &settings, &elsewhere);
+    assert!(found.possible, "{:?}", found.worst);
+}
+
+#[test]
+fn a_robot_that_faces_another_way_goes_on_in_the_same_direction() {
+    let (scene, phases, _) = sequence("flat/forward_6.toml");
+    let planner = Planner::new(&scene).expect("a model");
+    let guess = planner.guess_after(&[], &phases, Arrangement::default());
+    let mut known = guess[..3].to_vec();
+    let about_z = Pose::exp(&Vector6::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.5));
+    let base = Pose::from_xyzquat(known[2].first_chunk().expect("a base"));
+    let turned = Pose::from_parts(about_z.rotation() * base.rotation(), base.origin());
+    known[2][..7].copy_from_slice(&turned.to_xyzquat());
+    let after = planner.guess_after(&known, &phases, Arrangement::default());
+    let way = |nodes: &[Vec<f64>], k: usize| [0, 1, 2].map(|i| nodes[k][i] - nodes[2][i]);
+    let far = way(&guess, phases.len());
+    assert!(far[0] > 0.3, "{far:?}");
+    for k in 3..=phases.len() {
+        let (one, other) = (way(&guess, k), way(&after, k));
+        assert!(
+            (0..3).all(|i| (one[i] - other[i]).abs() < 1e-9),
+            "{one:?} and {other:?}"
+        );
+        let base = Pose::from_xyzquat(after[k].first_chunk().expect("a base"));
+        let ahead = base.rotate(Vector3::x());
+        assert!(
+            (ahead.y.atan2(ahead.x) - 0.5).abs() < 1e-6,
+            "it still faces that way"
+        );
+    }
 }
 
 /// Lowest corner of the soles over what they land on or have left, at the nodes next to those contacts [m].
