@@ -388,13 +388,14 @@ mod tests {
                 if let Some(lift) = weight::fault(&scene, states[k - 2], states[k - 1]) {
                     refused.push(format!("{} {k}: {}", path.display(), lift.reason));
                 }
-                let resting = checks.resting(&scene.start_state());
+                let all: Vec<usize> = (0..scene.objects.len()).collect();
+                let resting = checks.resting(&scene.start_state(), &all);
                 let rests = |o: &usize| {
                     let of_it = |c: &Contact| scene.interfaces[c.a.0].owner == Owner::Object(*o);
                     let mut own = resting.iter().filter(of_it);
                     own.all(|c| states[..k].iter().all(|s| s.contains(&c)))
                 };
-                let unmoved: Vec<usize> = (0..scene.objects.len()).filter(rests).collect();
+                let unmoved: Vec<usize> = all.iter().copied().filter(rests).collect();
                 let verdict = checks.unmoved(states[k - 1], &unmoved);
                 if let Verdict::RejectContacts(_, reason) = verdict {
                     refused.push(format!("{} {k}: {reason}", path.display()));

@@ -111,7 +111,8 @@ impl<'a> Trials<'a> {
                 phase.steps = phase.steps.min(COARSE_STEPS);
             }
         }
-        let grid = self.request.refines().filter(|_| effort == Effort::Full);
+        let request = self.request;
+        let grid = request.refines().filter(|_| effort == Effort::Full);
         let mut go_on = |i: &Iteration| self.go_on(i.number);
         if let Some(near) = near {
             let motion = planner.motion_near(&phases, &settings, near, &mut go_on);
@@ -119,7 +120,7 @@ impl<'a> Trials<'a> {
         }
         let Keyframes {
             nodes, possible, ..
-        } = keyframes(&planner, &phases, &settings, self.request);
+        } = keyframes(&planner, &phases, &settings, request);
         if !possible || effort == Effort::Keyframes {
             return possible.then_some(Success(None));
         }
