@@ -338,7 +338,7 @@ mod tests {
         };
         assert_eq!((of(&[Part::Climb]), of(&[Part::Diverse])), (5, 10));
         assert_eq!(of(&[Part::Climb, Part::Diverse]), 10);
-        assert_eq!(of(&Part::ALL), 10 + 5 + 45 + 15 + 40 + 5);
+        assert_eq!(of(&Part::ALL), 10 + 5 + 50 + 15 + 40 + 5);
     }
 
     #[test]

@@ -162,11 +162,13 @@ impl CollisionModel {
     }
 
     /// Clearance demanded of a row at a node where these bodies touch [m]: what a motion demands there, less what its row may say more
-    /// than this one, which is of all balls. A lone state, and the end of a beginning, where the next contact may be made, are
-    /// asked for no more than that nothing is inside another.
+    /// than this one, which is of all balls. Of a lone state, and at the end of a beginning of what may touch in the next phase, no more
+    /// than that nothing is inside another.
     fn demanded(&self, program: &Program, row: &Row, t: usize, touching: &BTreeSet<Touch>) -> f64 {
-        let at_end = t == program.n_intervals();
-        let open = program.grid == Grid::State || program.grid == Grid::OpenKeyframes && at_end;
+        if program.grid == Grid::State {
+            return row.clearance;
+        }
+        let open = program.grid == Grid::OpenKeyframes && t == program.n_intervals();
         let margins = &program.settings.margins;
         let wish = match row.pair {
             Err(links) => self.self_pairs[links].clearance(margins.self_clearance),

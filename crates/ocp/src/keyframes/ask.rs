@@ -105,7 +105,11 @@ impl<'a> Ask<'a> {
 
     /// The result from a guess with the objects the other way round where they share a support, if that is another one and
     /// satisfies everything.
-    fn other_way_round(&self, guess: impl Fn(Arrangement) -> Vec<Vec<f64>>) -> Option<Keyframes> {
+    fn other_way_round(
+        &self,
+        solve: impl Fn(&Ask, Vec<Vec<f64>>, Watched) -> (Keyframes, Watched),
+        guess: impl Fn(Arrangement) -> Vec<Vec<f64>>,
+    ) -> Option<Keyframes> {
         let settings = Settings {
             arrangement: Arrangement::EarlierBeside,
             ..self.settings.clone()
@@ -119,7 +123,7 @@ impl<'a> Ask<'a> {
             return None;
         }
         let near = other.near(&nodes, NEAR);
-        let found = other.solve(nodes, near).0;
+        let found = solve(&other, nodes, near).0;
         found.possible.then_some(found)
     }
 
@@ -131,7 +135,9 @@ impl<'a> Ask<'a> {
             return (first, false, vec![]);
         }
         let from_nothing = |arrangement| self.guess_in(arrangement);
-        if let Some(found) = self.other_way_round(from_nothing) {
+        if let Some(found) =
+            self.other_way_round(|ask, nodes, near| ask.solve(nodes, near), from_nothing)
+        {
             return (found, false, vec![]);
         }
         let (forward, watched) = self.forward(guess.clone());
@@ -150,12 +156,15 @@ impl<'a> Ask<'a> {
     ) -> Keyframes {
         let (planner, phases) = (self.planner, self.phases);
         let after = planner.guess_after(known, phases, self.settings.arrangement);
-        let (from_known, known_rows) = self.solve(after.clone(), self.near(&after, NEAR));
+        let (from_known, known_rows) = self.solve_at_once(after.clone(), self.near(&after, NEAR));
         if from_known.possible {
             return from_known;
         }
         let guess_after = |arrangement| planner.guess_after(known, phases, arrangement);
-        if let Some(found) = self.other_way_round(guess_after) {
+        if let Some(found) = self.other_way_round(
+            |ask, nodes, near| ask.solve_at_once(nodes, near),
+            guess_after,
+        ) {
             return found;
         }
         if let Some(from_another) = another().and_then(|nodes| self.answer_near(nodes)) {
@@ -166,7 +175,10 @@ impl<'a> Ask<'a> {
         if first.possible || first.is_hopeless() {
             return first;
         }
-        if let Some(found) = self.other_way_round(|arrangement| self.guess_in(arrangement)) {
+        let from_nothing = |arrangement| self.guess_in(arrangement);
+        if let Some(found) =
+            self.other_way_round(|ask, nodes, near| ask.solve(nodes, near), from_nothing)
+        {
             return found;
         }
         let rows = !known_rows.is_empty() || !first_rows.is_empty();
@@ -259,9 +271,41 @@ impl<'a> Ask<'a> {
         (nodes, watched)
     }
 
-    /// Solves with the clearances of some pairs (none at first), then with those too that turn out to be violated; says
-    /// which these were.
-    pub(super) fn solve(&self, nodes: Vec<Vec<f64>>, mut watched: Watched) -> (Keyframes, Watched) {
+    /// Solves so that nothing is inside another, then from there with the clearances that are demanded of it: at once they lead into
+    /// more local minima. Known configurations have them. With the clearances of some pairs (none at first), then with those too
+    /// that turn out to be violated; says which these were.
+    pub(super) fn solve(&self, nodes: Vec<Vec<f64>>, watched: Watched) -> (Keyframes, Watched) {
+        let alone = self.grid == Grid::State || self.settings.preset == Preset::Paper;
+        if alone || self.manner == Manner::Known {
+            return self.solve_at_once(nodes, watched);
+        }
+        let mut settings = self.settings.clone();
+        (settings.margins.clearance, settings.margins.self_clearance) = (0.0, 0.0);
+        let outside = Ask {
+            settings: &settings,
+            ..*self
+        };
+        let (found, watched) = outside.solve_at_once(nodes, watched);
+        if !found.possible {
+            return (found, watched);
+        }
+        let (apart, watched) = self.solve_at_once(found.nodes, watched);
+        let iterations = found.iterations + apart.iterations;
+        (
+            Keyframes {
+                iterations,
+                ..apart
+            },
+            watched,
+        )
+    }
+
+    /// The same with the clearances that are demanded from the beginning: for guesses most of which have them.
+    pub(super) fn solve_at_once(
+        &self,
+        nodes: Vec<Vec<f64>>,
+        mut watched: Watched,
+    ) -> (Keyframes, Watched) {
         let planner = self.planner;
         let watches = self.settings.preset == Preset::Default;
         if watches && self.grid != Grid::State {
