@@ -135,9 +135,7 @@ impl<'a> Ask<'a> {
             return (first, false, vec![]);
         }
         let from_nothing = |arrangement| self.guess_in(arrangement);
-        if let Some(found) =
-            self.other_way_round(|ask, nodes, near| ask.solve(nodes, near), from_nothing)
-        {
+        if let Some(found) = self.other_way_round(Ask::solve, from_nothing) {
             return (found, false, vec![]);
         }
         let (forward, watched) = self.forward(guess.clone());
@@ -161,10 +159,7 @@ impl<'a> Ask<'a> {
             return from_known;
         }
         let guess_after = |arrangement| planner.guess_after(known, phases, arrangement);
-        if let Some(found) = self.other_way_round(
-            |ask, nodes, near| ask.solve_at_once(nodes, near),
-            guess_after,
-        ) {
+        if let Some(found) = self.other_way_round(Ask::solve_at_once, guess_after) {
             return found;
         }
         if let Some(from_another) = another().and_then(|nodes| self.answer_near(nodes)) {
@@ -176,9 +171,7 @@ impl<'a> Ask<'a> {
             return first;
         }
         let from_nothing = |arrangement| self.guess_in(arrangement);
-        if let Some(found) =
-            self.other_way_round(|ask, nodes, near| ask.solve(nodes, near), from_nothing)
-        {
+        if let Some(found) = self.other_way_round(Ask::solve, from_nothing) {
             return found;
         }
         let rows = !known_rows.is_empty() || !first_rows.is_empty();
