@@ -206,7 +206,7 @@ impl Planner<'_> {
         };
         let ask = Ask::new(self, phases, settings, grid);
         let near = ask.near(nodes, NEAR);
-        ask.solve_at_once(nodes.to_vec(), near).0
+        ask.further().solve(nodes.to_vec(), near).0
     }
 
     /// Keyframes of the whole sequence near or at configurations that satisfy its contacts; `None` if that fails.

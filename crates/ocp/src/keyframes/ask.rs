@@ -33,6 +33,8 @@ pub(crate) struct Ask<'a> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Manner {
     Swift,
+    /// The same from a guess that goes on from keyframes or lies between some: most of it has the clearances.
+    Further,
     /// Short steps: slower, with other local minima.
     Careful,
     /// Hardly: the guess satisfies everything.
@@ -53,6 +55,14 @@ impl<'a> Ask<'a> {
             settings,
             grid,
             manner: Manner::Swift,
+        }
+    }
+
+    /// The same from guesses that go on from keyframes.
+    pub fn further(&self) -> Self {
+        Self {
+            manner: Manner::Further,
+            ..*self
         }
     }
 
@@ -105,11 +115,7 @@ impl<'a> Ask<'a> {
 
     /// The result from a guess with the objects the other way round where they share a support, if that is another one and
     /// satisfies everything.
-    fn other_way_round(
-        &self,
-        solve: impl Fn(&Ask, Vec<Vec<f64>>, Watched) -> (Keyframes, Watched),
-        guess: impl Fn(Arrangement) -> Vec<Vec<f64>>,
-    ) -> Option<Keyframes> {
+    fn other_way_round(&self, guess: impl Fn(Arrangement) -> Vec<Vec<f64>>) -> Option<Keyframes> {
         let settings = Settings {
             arrangement: Arrangement::EarlierBeside,
             ..self.settings.clone()
@@ -123,7 +129,7 @@ impl<'a> Ask<'a> {
             return None;
         }
         let near = other.near(&nodes, NEAR);
-        let found = solve(&other, nodes, near).0;
+        let found = other.solve(nodes, near).0;
         found.possible.then_some(found)
     }
 
@@ -135,7 +141,7 @@ impl<'a> Ask<'a> {
             return (first, false, vec![]);
         }
         let from_nothing = |arrangement| self.guess_in(arrangement);
-        if let Some(found) = self.other_way_round(Ask::solve, from_nothing) {
+        if let Some(found) = self.other_way_round(from_nothing) {
             return (found, false, vec![]);
         }
         let (forward, watched) = self.forward(guess.clone());
@@ -154,12 +160,13 @@ impl<'a> Ask<'a> {
     ) -> Keyframes {
         let (planner, phases) = (self.planner, self.phases);
         let after = planner.guess_after(known, phases, self.settings.arrangement);
-        let (from_known, known_rows) = self.solve_at_once(after.clone(), self.near(&after, NEAR));
+        let further = self.further();
+        let (from_known, known_rows) = further.solve(after.clone(), self.near(&after, NEAR));
         if from_known.possible {
             return from_known;
         }
         let guess_after = |arrangement| planner.guess_after(known, phases, arrangement);
-        if let Some(found) = self.other_way_round(Ask::solve_at_once, guess_after) {
+        if let Some(found) = further.other_way_round(guess_after) {
             return found;
         }
         if let Some(from_another) = another().and_then(|nodes| self.answer_near(nodes)) {
@@ -171,7 +178,7 @@ impl<'a> Ask<'a> {
             return first;
         }
         let from_nothing = |arrangement| self.guess_in(arrangement);
-        if let Some(found) = self.other_way_round(Ask::solve, from_nothing) {
+        if let Some(found) = self.other_way_round(from_nothing) {
             return found;
         }
         let rows = !known_rows.is_empty() || !first_rows.is_empty();
@@ -265,11 +272,11 @@ impl<'a> Ask<'a> {
     }
 
     /// Solves so that nothing is inside another, then from there with the clearances that are demanded of it: at once they lead into
-    /// more local minima. Known configurations have them. With the clearances of some pairs (none at first), then with those too
+    /// more local minima. Where keyframes are known, at once. With the clearances of some pairs (none at first), then with those too
     /// that turn out to be violated; says which these were.
     pub(super) fn solve(&self, nodes: Vec<Vec<f64>>, watched: Watched) -> (Keyframes, Watched) {
         let alone = self.grid == Grid::State || self.settings.preset == Preset::Paper;
-        if alone || self.manner == Manner::Known {
+        if alone || matches!(self.manner, Manner::Further | Manner::Known) {
             return self.solve_at_once(nodes, watched);
         }
         let mut settings = self.settings.clone();
@@ -293,12 +300,7 @@ impl<'a> Ask<'a> {
         )
     }
 
-    /// The same with the clearances that are demanded from the beginning: for guesses most of which have them.
-    pub(super) fn solve_at_once(
-        &self,
-        nodes: Vec<Vec<f64>>,
-        mut watched: Watched,
-    ) -> (Keyframes, Watched) {
+    fn solve_at_once(&self, nodes: Vec<Vec<f64>>, mut watched: Watched) -> (Keyframes, Watched) {
         let planner = self.planner;
         let watches = self.settings.preset == Preset::Default;
         if watches && self.grid != Grid::State {
@@ -362,7 +364,7 @@ impl<'a> Ask<'a> {
             ..Options::default()
         };
         let manner = match self.manner {
-            Manner::Swift => swift,
+            Manner::Swift | Manner::Further => swift,
             Manner::Careful => Options::default(),
             Manner::Known => Options {
                 initial_barrier: 1e-4,
