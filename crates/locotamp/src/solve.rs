@@ -23,7 +23,7 @@ const SECOND_BARRIER: f64 = 0.1;
 pub struct KeyframeReport {
     /// True if contacts, clearances and goal regions can be satisfied at all phase boundaries.
     pub possible: bool,
-    /// Iterations of the last round.
+    /// Iterations of all rounds.
     pub iterations: usize,
     /// Wall time [s].
     pub seconds: f64,
@@ -102,7 +102,7 @@ pub fn solve(
         feasible: false,
         keyframes: KeyframeReport {
             possible: keyframes.possible,
-            iterations: keyframes.report.iterations,
+            iterations: keyframes.iterations,
             seconds: start.elapsed().as_secs_f64(),
         },
         motion: None,

@@ -155,7 +155,7 @@ impl Planner<'_> {
     }
 
     /// Keyframes of phases whose last state the robot enters from the air, wherever it then is, and whatever objects are `elsewhere`,
-    /// which nothing holds: the goal aside.
+    /// which nothing holds, with all clearances: the goal aside.
     pub fn keyframes_anywhere(
         &self,
         phases: &[Phase],
@@ -181,14 +181,14 @@ impl Planner<'_> {
             .into_iter()
             .map(guess)
             .collect();
-        let solve = |nodes: &Vec<Vec<f64>>| ask.solve(nodes.clone(), ask.near(nodes, NEAR)).0;
+        let solve = |nodes: &Vec<Vec<f64>>| ask.solve_apart(nodes.clone(), ask.near(nodes, NEAR));
         let mut best = solve(&guesses[0]);
         for nodes in &guesses[1..] {
             if !best.possible {
                 best = less_violated(best, solve(nodes));
             }
         }
-        ask.carefully(best, true, guesses)
+        best
     }
 
     /// Keyframes from a guess of all configurations; `open` leaves out the goal regions. Only this guess is tried.

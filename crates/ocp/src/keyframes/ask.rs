@@ -272,32 +272,55 @@ impl<'a> Ask<'a> {
     }
 
     /// Solves so that nothing is inside another, then from there with the clearances that are demanded of it: at once they lead into
-    /// more local minima. Where keyframes are known, at once. With the clearances of some pairs (none at first), then with those too
-    /// that turn out to be violated; says which these were.
+    /// more local minima. Where that leads nowhere the first result stands: a motion may find room. From guesses that go on from
+    /// keyframes it is done the other way round. With the clearances of some pairs (none at first), then with those too that turn out
+    /// to be violated; says which these were.
     pub(super) fn solve(&self, nodes: Vec<Vec<f64>>, watched: Watched) -> (Keyframes, Watched) {
         let alone = self.grid == Grid::State || self.settings.preset == Preset::Paper;
-        if alone || matches!(self.manner, Manner::Further | Manner::Known) {
+        if alone || self.manner == Manner::Known {
             return self.solve_at_once(nodes, watched);
         }
+        if self.manner == Manner::Further {
+            let (apart, rows) = self.solve_at_once(nodes.clone(), watched.clone());
+            return if apart.possible {
+                (apart, rows)
+            } else {
+                self.solve_outside(nodes, watched)
+            };
+        }
+        let (outside, apart, watched) = self.solve_in_two(nodes, watched);
+        let apart = apart.filter(|apart| apart.possible);
+        (apart.unwrap_or(outside), watched)
+    }
+
+    /// The same where no more than the clearances that are demanded will do.
+    pub(super) fn solve_apart(&self, nodes: Vec<Vec<f64>>, watched: Watched) -> Keyframes {
+        let (outside, apart, _) = self.solve_in_two(nodes, watched);
+        apart.unwrap_or(outside)
+    }
+
+    /// With nothing inside another, then, if that is possible, with the clearances that are demanded.
+    fn solve_in_two(
+        &self,
+        nodes: Vec<Vec<f64>>,
+        watched: Watched,
+    ) -> (Keyframes, Option<Keyframes>, Watched) {
+        let (outside, watched) = self.solve_outside(nodes, watched);
+        if !outside.possible {
+            return (outside, None, watched);
+        }
+        let (apart, watched) = self.solve_at_once(outside.nodes.clone(), watched);
+        (outside, Some(apart), watched)
+    }
+
+    fn solve_outside(&self, nodes: Vec<Vec<f64>>, watched: Watched) -> (Keyframes, Watched) {
         let mut settings = self.settings.clone();
         (settings.margins.clearance, settings.margins.self_clearance) = (0.0, 0.0);
         let outside = Ask {
             settings: &settings,
             ..*self
         };
-        let (found, watched) = outside.solve_at_once(nodes, watched);
-        if !found.possible {
-            return (found, watched);
-        }
-        let (apart, watched) = self.solve_at_once(found.nodes, watched);
-        let iterations = found.iterations + apart.iterations;
-        (
-            Keyframes {
-                iterations,
-                ..apart
-            },
-            watched,
-        )
+        outside.solve_at_once(nodes, watched)
     }
 
     fn solve_at_once(&self, nodes: Vec<Vec<f64>>, mut watched: Watched) -> (Keyframes, Watched) {

@@ -385,7 +385,7 @@ fn a_hand_does_not_go_where_there_is_no_room_for_its_clearance() {
 
 #[test]
 fn a_robot_that_faces_another_way_goes_on_in_the_same_direction() {
-    let (scene, phases, _) = sequence("flat/forward_6.toml");
+    let (scene, phases, _) = sequence("yardstick/two_box.toml");
     let planner = Planner::new(&scene).expect("a model");
     let guess = planner.guess_after(&[], &phases, Arrangement::default());
     let mut known = guess[..3].to_vec();
@@ -396,7 +396,7 @@ fn a_robot_that_faces_another_way_goes_on_in_the_same_direction() {
     let after = planner.guess_after(&known, &phases, Arrangement::default());
     let way = |nodes: &[Vec<f64>], k: usize| [0, 1, 2].map(|i| nodes[k][i] - nodes[2][i]);
     let far = way(&guess, phases.len());
-    assert!(far[0] > 0.3, "{far:?}");
+    assert!(far[0].hypot(far[1]) > 0.1, "{far:?}");
     for k in 3..=phases.len() {
         let (one, other) = (way(&guess, k), way(&after, k));
         assert!(
