@@ -384,6 +384,29 @@ fn a_hand_does_not_go_where_there_is_no_room_for_its_clearance() {
 }
 
 #[test]
+fn a_box_is_grasped_from_beside_another_that_stands_nearer_than_motions_may_come() {
+    let text = Scene::builtin_text("three-boxes").expect("a built-in scene");
+    // The gap between red and blue is from the knob of the blue one to the red one.
+    let near = text.replace("position = [-0.07, -0.06]", "position = [-0.07, 0.045]");
+    let scene = Scene::from_toml(&near, "near.toml", Path::new(".")).expect("a scene");
+    let planner = Planner::new(&scene).expect("a model");
+    let settings = Settings::new(Preset::Default, &scene.optimiser);
+    let boxes = ["red_box_bottom", "blue_box_bottom", "green_box_bottom"];
+    let [start, air, _] = squeezing(&scene, &boxes);
+    let contact = Contact {
+        a: scene.interface_id("left_hand").expect("an interface"),
+        b: scene.interface_id("red_box_handle").expect("an interface"),
+        kind: ContactType::BilateralPatch,
+    };
+    let there = Phase {
+        state: air.state.iter().chain([contact]).collect(),
+        steps: 8,
+    };
+    let found = planner.keyframes_anywhere(&[start, air, there], &settings, &[]);
+    assert!(found.possible, "{:?}", found.worst);
+}
+
+#[test]
 fn a_robot_that_faces_another_way_goes_on_in_the_same_direction() {
     let (scene, phases, _) = sequence("yardstick/two_box.toml");
     let planner = Planner::new(&scene).expect("a model");
