@@ -195,9 +195,21 @@ impl<'a> Ask<'a> {
         self.carefully(best, rows, vec![after, guess])
     }
 
-    /// From keyframes that should satisfy everything: others near them, with less strain, or they themselves; `None` if they do
-    /// not.
+    /// From keyframes that should satisfy everything: others near them, with less strain, or they themselves; with less clearance
+    /// if they have no more; `None` if they do not.
     pub(super) fn answer_near(&self, nodes: Vec<Vec<f64>>) -> Option<Keyframes> {
+        let with_clearances = self.answer_near_at_once(nodes.clone());
+        with_clearances.or_else(|| {
+            let settings = self.without_margins();
+            let outside = Ask {
+                settings: &settings,
+                ..*self
+            };
+            outside.answer_near_at_once(nodes)
+        })
+    }
+
+    fn answer_near_at_once(&self, nodes: Vec<Vec<f64>>) -> Option<Keyframes> {
         let near = self.near(&nodes, NEAR);
         let known = Ask {
             manner: Manner::Known,
@@ -314,13 +326,19 @@ impl<'a> Ask<'a> {
     }
 
     fn solve_outside(&self, nodes: Vec<Vec<f64>>, watched: Watched) -> (Keyframes, Watched) {
-        let mut settings = self.settings.clone();
-        (settings.margins.clearance, settings.margins.self_clearance) = (0.0, 0.0);
+        let settings = self.without_margins();
         let outside = Ask {
             settings: &settings,
             ..*self
         };
         outside.solve_at_once(nodes, watched)
+    }
+
+    /// The settings with which nothing need be further from another than outside it.
+    fn without_margins(&self) -> Settings {
+        let mut settings = self.settings.clone();
+        (settings.margins.clearance, settings.margins.self_clearance) = (0.0, 0.0);
+        settings
     }
 
     fn solve_at_once(&self, nodes: Vec<Vec<f64>>, mut watched: Watched) -> (Keyframes, Watched) {
