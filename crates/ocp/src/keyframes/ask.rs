@@ -321,7 +321,8 @@ impl<'a> Ask<'a> {
         if !outside.possible {
             return (outside, None, watched);
         }
-        let (apart, watched) = self.solve_at_once(outside.nodes.clone(), watched);
+        let (mut apart, watched) = self.solve_at_once(outside.nodes.clone(), watched);
+        apart.iterations += outside.iterations;
         (outside, Some(apart), watched)
     }
 
