@@ -289,7 +289,9 @@ impl<'a> Ask<'a> {
     /// to be violated; says which these were.
     pub(super) fn solve(&self, nodes: Vec<Vec<f64>>, watched: Watched) -> (Keyframes, Watched) {
         let alone = self.grid == Grid::State || self.settings.preset == Preset::Paper;
-        if alone || self.manner == Manner::Known {
+        let margins = &self.settings.margins;
+        let demands_none = margins.clearance.max(margins.self_clearance) <= 0.0;
+        if alone || demands_none || self.manner == Manner::Known {
             return self.solve_at_once(nodes, watched);
         }
         if self.manner == Manner::Further {
