@@ -20,28 +20,27 @@ pub(super) struct Refused {
 impl Checks<'_> {
     /// Are there keyframes of a beginning of a sequence, the goal aside? If not, why.
     pub fn beginning(&mut self, phases: &[Phase]) -> Answer {
-        let states: States = phases.iter().map(|p| self.names(&p.state)).collect();
-        if let Some(known) = self.journal.prefix(&states) {
-            return known.clone();
-        }
-        let clock = Instant::now();
-        let keyframes = self.solve_beginning(phases);
-        let answer = self.answer(states, &keyframes, clock);
-        self.journal.note_prefix(answer.clone());
-        answer
+        self.answered(phases, |checks| checks.solve_beginning(phases))
     }
 
     /// The same of one that ends, after a flight, with objects where they are at the start, the others wherever they are.
     pub(super) fn before_moved(&mut self, phases: &[Phase], unmoved: &[usize]) -> Answer {
+        let moved = |o: &usize| !unmoved.contains(o);
+        let moved: Vec<usize> = (0..self.scene.objects.len()).filter(moved).collect();
+        self.answered(phases, |checks| {
+            (checks.planner).keyframes_anywhere(phases, checks.settings, &moved)
+        })
+    }
+
+    /// What the journal knows of a beginning, or else what solving says.
+    fn answered(&mut self, phases: &[Phase], solve: impl FnOnce(&mut Self) -> Keyframes) -> Answer {
         let states: States = phases.iter().map(|p| self.names(&p.state)).collect();
         if let Some(known) = self.journal.prefix(&states) {
             return known.clone();
         }
         let clock = Instant::now();
-        let moved = |o: &usize| !unmoved.contains(o);
-        let moved: Vec<usize> = (0..self.scene.objects.len()).filter(moved).collect();
-        let found = (self.planner).keyframes_anywhere(phases, self.settings, &moved);
-        let answer = self.answer(states, &found, clock);
+        let keyframes = solve(self);
+        let answer = self.answer(states, &keyframes, clock);
         self.journal.note_prefix(answer.clone());
         answer
     }

@@ -348,7 +348,7 @@ fn squeezing(scene: &Scene, resting: &[&str]) -> [Phase; 3] {
     [scene.start_state(), air, there].map(|state| Phase { state, steps: 8 })
 }
 
-/// The hand is 55 mm thick where it fits in, and the gap is 65 mm wide: room for it, but not for the clearance too.
+/// The gap is 65 mm wide: room for the hand, but not for its clearance too.
 #[test]
 fn a_hand_does_not_go_where_there_is_no_room_for_its_clearance() {
     let scene = Scene::builtin("three-boxes").expect("a built-in scene");
