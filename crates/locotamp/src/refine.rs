@@ -10,9 +10,13 @@ use solver::Iteration;
 /// different curves between nodes, so a grid seven times as fine begins with collisions.
 const MIDDLE: f64 = 3.0;
 
-/// Longest step of the grid on which a motion must hold to be a plan [s]: with a few long steps per phase a robot may seem to do
-/// what no robot can.
-const HOLDS: f64 = 0.06;
+/// Longest step of the grid on which a motion must hold to be a plan [s]: with a few long steps per phase and explicit Euler a robot may
+/// seem to do what no robot can. A grid twice as fine refuses the same motions and takes twice the work
+/// (benches/runs/2026-11-28-holds.md).
+const HOLDS: f64 = 0.12;
+/// Smallest barrier parameter on grids that a finer one follows: the last steps of a motion gain some per cent of its cost, and the finer
+/// grid, which begins with a larger one, finds its own optimum.
+const BARRIER: f64 = 1e-3;
 /// Most iterations on a finer grid, and how many a motion gets beyond if it is nearly solved then: those that end well take 20 to 80,
 /// a few up to twice the most.
 const FINER_ITERATIONS: usize = 150;
@@ -58,10 +62,25 @@ pub(crate) fn hold(
     watch: &mut dyn FnMut(&Iteration) -> bool,
 ) -> Motion {
     let grid = on_which_it_holds(refinement);
-    let mut fine = on_grid(planner, phases, settings, (coarse, grid), watch);
+    let mut fine = on_the_way(planner, phases, settings, (coarse, grid), watch);
     fine.iterations += coarse.iterations;
     fine.seconds += coarse.seconds;
     fine
+}
+
+/// The same motion on a finer grid that another one follows.
+fn on_the_way(
+    planner: &Planner<'_>,
+    phases: &[Phase],
+    settings: &Settings,
+    from: (&Motion, Refinement),
+    watch: &mut dyn FnMut(&Iteration) -> bool,
+) -> Motion {
+    let settings = Settings {
+        barrier: settings.barrier.max(BARRIER),
+        ..settings.clone()
+    };
+    on_grid(planner, phases, &settings, from, watch)
 }
 
 /// The same motion on a finer grid, unless it takes too long.
@@ -135,12 +154,12 @@ pub(crate) fn refine(
         late = begin.elapsed().as_secs_f64() > request.time_limit;
         !stopped && !late
     };
-    let on_the_way = (longest_step(&coarse) > NEARLY * middle.max_step)
-        .then(|| on_grid(planner, phases, settings, (&coarse, middle), &mut watch))
+    let between = (longest_step(&coarse) > NEARLY * middle.max_step)
+        .then(|| on_the_way(planner, phases, settings, (&coarse, middle), &mut watch))
         .filter(|motion| motion.feasible);
-    let from = on_the_way.as_ref().unwrap_or(&coarse);
+    let from = between.as_ref().unwrap_or(&coarse);
     let mut fine = on_grid(planner, phases, settings, (from, refinement), &mut watch);
-    if let Some(motion) = &on_the_way {
+    if let Some(motion) = &between {
         fine.iterations += motion.iterations;
         fine.seconds += motion.seconds;
     }
@@ -158,7 +177,7 @@ pub(crate) fn refine(
         Some(words) => words,
         None => format!("the optimiser ended as {:?}", fine.report.status),
     };
-    (on_the_way.unwrap_or(coarse), Refined::Failed(reason))
+    (between.unwrap_or(coarse), Refined::Failed(reason))
 }
 
 /// Longest interval of a motion [s].

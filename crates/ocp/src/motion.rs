@@ -44,6 +44,8 @@ const GOOD: Enough = Enough {
     dual: 1.0,
     barrier: 5e-4,
 };
+/// Barrier parameter at which one may end, in the smallest one, where that is larger.
+const NEAR_BARRIER: f64 = 1.5;
 /// Iterations that stand still within ten times that (a tenth of what the checker allows) before they count as one.
 const STILL_ITERATIONS: usize = 10;
 /// Complementarity products and dual residual at the solution of a barrier problem: the products come to about the barrier
