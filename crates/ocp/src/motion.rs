@@ -183,7 +183,10 @@ impl First {
         }
         options.enough = match settings.ending {
             Ending::Exact => None,
-            Ending::Good => Some(GOOD),
+            Ending::Good => Some(Enough {
+                barrier: GOOD.barrier.max(NEAR_BARRIER * settings.barrier),
+                ..GOOD
+            }),
             Ending::Rough => Some(ROUGH),
         };
         if program.has_velocities() {
