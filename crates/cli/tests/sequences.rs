@@ -36,7 +36,7 @@ fn a_sequence_becomes_a_plan_and_a_report() {
     assert_eq!(code, Some(0), "{text}{errors}");
     for part in [
         "hopper, sequence: a feasible plan, 2 phases, ",
-        "from 12 intervals",
+        "from 8 intervals",
         "rise",
         "derivatives",
         "report.json",
@@ -48,7 +48,8 @@ fn a_sequence_becomes_a_plan_and_a_report() {
     let report: Value = serde_json::from_str(&report).unwrap();
     assert_eq!(report["status"], "feasible");
     assert_eq!(report["keyframes"]["possible"], true);
-    assert_eq!(report["optimiser"]["status"], "good enough", "refined");
+    let status = &report["optimiser"]["status"];
+    assert!(status == "solved" || status == "good enough", "{status}");
     let seconds = &report["optimiser"]["seconds"];
     let parts = [
         "derivatives",

@@ -95,7 +95,7 @@ fn a_plan_whose_refinement_is_stopped_is_told_as_what_it_is() {
     assert!(outcome.feasible);
     let best = outcome.best.expect("a plan");
     assert!(matches!(best.refined, locotamp::Refined::Failed(_)));
-    // On the grid on which it was found it keeps its margins.
+    // On the grid on which it was found it keeps its margins, with some room: it ends at a large barrier parameter there.
     let violation = best.plan.violation.expect("it is told");
     assert!(violation < 1e-3, "{violation}");
     for name in ["clearance", "swing", "landing"] {
@@ -103,7 +103,7 @@ fn a_plan_whose_refinement_is_stopped_is_told_as_what_it_is() {
             .find(|margin| margin.name == name)
             .expect("a margin");
         let beyond = margin.reached.expect("a foot swings") - margin.demanded;
-        assert!(beyond.abs() < 1e-3 || name == "clearance", "{margin:?}");
+        assert!(beyond < 5e-3 || name == "clearance", "{margin:?}");
         assert!(beyond > -1e-3, "{margin:?}");
     }
 }
