@@ -11,8 +11,7 @@ use solver::Iteration;
 const MIDDLE: f64 = 3.0;
 
 /// Longest step of the grid on which a motion must hold to be a plan [s]: with a few long steps per phase and explicit Euler a robot may
-/// seem to do what no robot can. A grid twice as fine refuses the same motions and takes twice the work
-/// (benches/runs/2026-11-28-holds.md).
+/// seem to do what no robot can. A grid twice as fine takes 1.7 times the work (benches/runs/2026-11-28-holds.md).
 const HOLDS: f64 = 0.12;
 /// Smallest barrier parameter on grids that a finer one follows: the last steps of a motion gain some per cent of its cost, and the finer
 /// grid, which begins with a larger one, finds its own optimum.

@@ -1,6 +1,6 @@
 //! Which of the sequences that wait has its turn.
 
-/// Sequences tried on the coarse grid before the first is tried on a finer one, which takes twice as long.
+/// Sequences tried on the coarse grid before the first is tried on a finer one, which takes up to twice as long.
 const CHOICE: usize = 2;
 /// Motions on the coarse grid that wait for a finer one, from which on the cheapest is tried whatever others promise: of long sequences
 /// there are always some that promise less than they cost.

@@ -103,7 +103,8 @@ fn a_plan_whose_refinement_is_stopped_is_told_as_what_it_is() {
             .find(|margin| margin.name == name)
             .expect("a margin");
         let beyond = margin.reached.expect("a foot swings") - margin.demanded;
-        assert!(beyond < 5e-3 || name == "clearance", "{margin:?}");
+        let room = if name == "swing" { 5e-3 } else { 1e-3 };
+        assert!(beyond < room || name == "clearance", "{margin:?}");
         assert!(beyond > -1e-3, "{margin:?}");
     }
 }
