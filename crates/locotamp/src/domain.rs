@@ -3,6 +3,7 @@
 
 use crate::api::{Error, Impossible};
 use crate::strides::Strides;
+use crate::swings::{PHASES_PER_SWING, Swings};
 use crate::weight;
 use multibody::Kinematics;
 use nalgebra::Vector3;
@@ -136,10 +137,12 @@ pub fn skeletons(scene: &Scene) -> Result<Skeletons, Error> {
         graph.remove_actions(&lifts);
         too_heavy = reasons;
     }
+    let swings = Swings::new(scene);
     let natural =
-        || symbolic::search::default_phases(&graph) + PHASES_PER_SWING * far_swings(scene);
+        || symbolic::search::default_phases(&graph) + PHASES_PER_SWING * swings.beyond_default();
     let limits = SearchLimits {
         max_phases: Some(scene.search.max_phases.unwrap_or_else(natural)),
+        likely_phases: 1 + PHASES_PER_SWING * swings.fewest(),
         ending: ending(scene),
         ..SearchLimits::default()
     };
@@ -148,64 +151,6 @@ pub fn skeletons(scene: &Scene) -> Result<Skeletons, Error> {
         limits,
         too_heavy,
     })
-}
-
-/// Phases of a foot swing, the base's way by one [m], and the way that takes none, since arms and legs reach as far [m].
-const PHASES_PER_SWING: usize = 2;
-const SWING: f64 = 0.25;
-const REACH: f64 = 0.5;
-/// Swings that [`symbolic::search::default_phases`] already counts: to an object or with it, per foot of the goal, and without
-/// any goal contact. As many as the last are for a region that goes with goal contacts, however near.
-const SWINGS_OF_OBJECT: usize = 4;
-const SWINGS_OF_FOOT: usize = 2;
-const SWINGS_OF_NOTHING: usize = 4;
-
-/// Swings that the ways of a scene need beyond those of the default limit: to the objects of the goal and on to their places, to
-/// places and regions of the robot, and, without a goal, to the farthest object or bounded surface.
-fn far_swings(scene: &Scene) -> usize {
-    let flat = |p: Vector3<f64>| Vector3::new(p.x, p.y, 0.0);
-    let start = |i: usize| scene.start.get(i).copied().unwrap_or(0.0);
-    let base = Vector3::new(start(0), start(1), 0.0);
-    let swings = |way: f64| ((way - REACH) / SWING).ceil().max(0.0) as usize;
-    let place = |i: &scene::Interface| match i.owner {
-        Owner::Object(o) => Some(flat(scene.objects[o].world_from_start.origin())),
-        Owner::Static(_) => i.half_size.map(|_| flat(i.body_from_interface.origin())),
-        Owner::Robot { .. } => None,
-    };
-    let mut more = 0;
-    for goal in &scene.goal_contacts {
-        let (a, b) = (&scene.interfaces[goal.a.0], &scene.interfaces[goal.b.0]);
-        let Some(to) = place(b) else { continue };
-        more += match place(a) {
-            Some(object) => {
-                let swings = swings((object - base).norm()) + swings((to - object).norm());
-                swings.saturating_sub(SWINGS_OF_OBJECT)
-            }
-            None => swings((to - base).norm()).saturating_sub(SWINGS_OF_FOOT),
-        };
-    }
-    for region in &scene.goal_regions {
-        let object = scene.objects.iter().find(|o| o.name == region.body);
-        let now = object.map_or(base, |o| flat(o.world_from_start.origin()));
-        let outside = |i: usize| {
-            let beyond = (region.lower[i] - now[i]).max(now[i] - region.upper[i]);
-            beyond.max(0.0)
-        };
-        let way = outside(0).hypot(outside(1));
-        more += if scene.goal_contacts.is_empty() {
-            swings(way).saturating_sub(SWINGS_OF_NOTHING)
-        } else if way > 0.0 {
-            swings(way).max(SWINGS_OF_NOTHING)
-        } else {
-            0
-        };
-    }
-    if scene.goal_contacts.is_empty() && scene.goal_regions.is_empty() {
-        let places = scene.interfaces.iter().filter_map(place);
-        let farthest = places.map(|p| (p - base).norm()).fold(0.0, f64::max);
-        more += swings(farthest).saturating_sub(SWINGS_OF_NOTHING);
-    }
-    more
 }
 
 /// Cosine of the slope up to which a surface counts as one to stand on.

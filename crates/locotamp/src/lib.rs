@@ -18,6 +18,7 @@ mod solve;
 mod start;
 mod strides;
 mod summary;
+mod swings;
 mod weight;
 
 pub use api::{

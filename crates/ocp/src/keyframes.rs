@@ -17,12 +17,15 @@ mod ask;
 use crate::collision::Watched;
 use crate::guess;
 use crate::motion::Planner;
-use crate::program::{Grid, Phase};
+use crate::program::{Grid, Phase, goal_body};
+use crate::relative::Body;
 use crate::resistance::{Pull, Worst};
 use crate::settings::{Arrangement, Settings};
 use crate::state_guess;
 pub(crate) use ask::Ask;
 use ask::less_violated;
+use multibody::Kinematics;
+use nalgebra::Vector2;
 use solver::Report;
 use spatial::Pose;
 use symbolic::ContactState;
@@ -32,6 +35,8 @@ const NEAR: f64 = 0.02;
 /// Violation (m, rad) from which no other guess is tried: out of reach, not caught in a local minimum
 /// (benches/runs/2026-11-21-tree-search.md).
 const HOPELESS: f64 = 0.1;
+/// How far parts of the robot are taken to reach from where they are in the start posture [m].
+const REACH: f64 = 0.5;
 /// How far above its place an object is out of the way [m].
 const ELSEWHERE: f64 = 3.0;
 /// Phases of a beginning up to which the slow attempts are made too.
@@ -116,7 +121,10 @@ impl Planner<'_> {
         settings: &Settings,
         open: bool,
     ) -> Keyframes {
-        let guess = self.guess_after(known, phases, settings.arrangement);
+        let mut guess = self.guess_after(known, phases, settings.arrangement);
+        if !open {
+            self.lead_to_goal(&mut guess, known.len().saturating_sub(1));
+        }
         self.keyframes_near(&guess, phases, settings, open)
     }
 
@@ -131,6 +139,7 @@ impl Planner<'_> {
         let (system, model) = (&self.system, &self.system.model);
         let mut guess = guess::after(self.scene, system, phases, arrangement, known);
         let Some(last) = known.len().checked_sub(1) else {
+            self.ways.bend(&mut guess, 0);
             return guess;
         };
         let robot = 0..system.robot_nq;
@@ -151,7 +160,40 @@ impl Planner<'_> {
             let now = known.get(k).unwrap_or(&further);
             q[robot.clone()].copy_from_slice(&now[robot.clone()]);
         }
+        self.ways.bend(&mut guess, last);
         guess
+    }
+
+    /// Leads the base of a guess to where regions of the goal want it, or near enough to where they want other parts of the robot,
+    /// evenly from configuration number `from` on.
+    fn lead_to_goal(&self, guess: &mut [Vec<f64>], from: usize) {
+        let (scene, model) = (self.scene, &self.system.model);
+        let last = guess.len() - 1;
+        let mut kinematics = Kinematics::new(model);
+        kinematics.update(model, &guess[last]);
+        let mut more = Vector2::zeros();
+        for region in &scene.goal_regions {
+            let carrier = goal_body(scene, &self.system, &region.body);
+            let Some((joint, frame)) = carrier.and_then(|c| match c.body {
+                Body::Joint(joint) if joint < self.system.n_robot_joints => {
+                    Some((joint, c.body_from_frame))
+                }
+                _ => None,
+            }) else {
+                continue;
+            };
+            let place = (kinematics.world_from_joint[joint] * frame).origin().xy() + more;
+            let way = place.sup(&region.lower.xy()).inf(&region.upper.xy()) - place;
+            let reach = if joint == 0 { 0.0 } else { REACH };
+            more += way * (1.0 - reach / way.norm().max(reach + f64::MIN_POSITIVE)).max(0.0);
+        }
+        for k in from + 1..=last {
+            let share = (k - from) as f64 / (last - from) as f64;
+            for i in 0..2 {
+                guess[k][i] += share * more[i];
+            }
+        }
+        self.ways.bend(guess, from);
     }
 
     /// Keyframes of phases whose last state the robot enters from the air, wherever it then is, and whatever objects are `elsewhere`,

@@ -35,6 +35,7 @@ mod states;
 mod system;
 pub mod terms;
 mod torque_speed;
+mod ways;
 mod worker;
 
 pub use between::Between;
@@ -55,3 +56,4 @@ pub use settings::{
     Arrangement, Ending, Integrator, Margins, NEARLY_SOLVED, Preset, Settings, Sticking, Weights,
 };
 pub use system::System;
+pub use ways::Ways;

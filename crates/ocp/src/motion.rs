@@ -9,6 +9,7 @@ use crate::relative_motion::Relative;
 use crate::resistance::{Worst, hardest_limit, worst_row};
 use crate::settings::{Ending, NEARLY_SOLVED, Settings};
 use crate::system::System;
+use crate::ways::Ways;
 use scene::Scene;
 use solver::{
     ElementData, Enough, InteriorPoint, Iteration, Norm, Options, Problem, Report, Status,
@@ -234,6 +235,8 @@ pub struct Planner<'a> {
     pub system: System,
     /// Balls and obstacles.
     pub collisions: CollisionModel,
+    /// Ways of the base around what stands.
+    pub ways: Ways,
 }
 
 impl<'a> Planner<'a> {
@@ -248,6 +251,7 @@ impl<'a> Planner<'a> {
             scene,
             system,
             collisions,
+            ways: Ways::new(scene),
         })
     }
 

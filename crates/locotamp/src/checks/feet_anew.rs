@@ -2,6 +2,7 @@
 
 use super::Checks;
 use super::beginnings::Refused;
+use nalgebra::Vector2;
 use ocp::{Arrangement, Keyframes, Phase};
 use scene::Role;
 use symbolic::{Anew, Contact, ContactState};
@@ -35,9 +36,10 @@ impl Checks<'_> {
         }
         let (from, to) = (&nodes[at + 1], &nodes[at + 3]);
         let part = |n: usize| self.on_the_way(from, to, n as f64 / more as f64);
-        let first = nodes[..=at + 1].iter().cloned();
-        let rest = nodes[at + 4..].iter().cloned();
-        Some(first.chain((1..=more).map(part)).chain(rest).collect())
+        let mut way: Vec<Vec<f64>> = (0..=more).map(part).collect();
+        self.planner.ways.bend(&mut way, 0);
+        let (first, rest) = (&nodes[..=*at], &nodes[at + 4..]);
+        Some([first, &way, rest].concat())
     }
 
     /// Is a beginning possible if the feet are set anew in one of these states; with how many swings at least? `None` if it
@@ -100,8 +102,10 @@ impl Checks<'_> {
     /// How far the base goes between the boundary after phase `at` and the second one from there, feet in the air between [m].
     fn way(&self, nodes: &[Vec<f64>], at: usize) -> f64 {
         let model = &self.planner.system.model;
-        let way = model.difference(&nodes[at + 1], &nodes[at + 3]);
-        way[0].hypot(way[1]) + TURN * way[5].abs()
+        let (from, to) = (&nodes[at + 1], &nodes[at + 3]);
+        let turn = model.difference(from, to)[5].abs();
+        let place = |q: &[f64]| Vector2::new(q[0], q[1]);
+        self.planner.ways.length(place(from), place(to)) + TURN * turn
     }
 
     /// What came nearest to keyframes of a beginning that was refused by little.

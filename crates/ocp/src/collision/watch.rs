@@ -131,6 +131,37 @@ impl CollisionModel {
         near: f64,
         watched: &mut Watched,
     ) -> bool {
+        let all = |_: usize, _: &Row| true;
+        self.watch_these(program, scene, phases, (nodes, near), all, watched)
+    }
+
+    /// Adds those of static bodies at these nodes, floors aside: with these rows the robot stays on its side of what it walks around.
+    #[allow(clippy::too_many_arguments)] // a program, a point and what to look for
+    pub fn watch_static(
+        &self,
+        program: &Program,
+        scene: &Scene,
+        phases: &[Phase],
+        nodes: &[Vec<f64>],
+        (here, near): (&[bool], f64),
+        watched: &mut Watched,
+    ) {
+        let of_robot = |row: &Row| row.a < program.system.n_robot_joints;
+        let these = |t: usize, row: &Row| {
+            here[t] && of_robot(row) && row.pair.is_ok() && row.b.is_none() && row.bound.is_some()
+        };
+        self.watch_these(program, scene, phases, (nodes, near), these, watched);
+    }
+
+    fn watch_these(
+        &self,
+        program: &Program,
+        scene: &Scene,
+        phases: &[Phase],
+        (nodes, near): (&[Vec<f64>], f64),
+        these: impl Fn(usize, &Row) -> bool,
+        watched: &mut Watched,
+    ) -> bool {
         let model = &program.system.model;
         let mut kinematics = Kinematics::new(model);
         let mut is_new = false;
@@ -147,7 +178,7 @@ impl CollisionModel {
             };
             kinematics.update(model, q);
             for (index, row) in self.rows.iter().enumerate() {
-                if row.pair.is_ok_and(|touch| touching.contains(&touch)) {
+                if !these(t, row) || row.pair.is_ok_and(|touch| touching.contains(&touch)) {
                     continue;
                 }
                 let demanded = self.demanded(program, row, t, touching);

@@ -13,6 +13,8 @@ use solver::{Convexification, InteriorPoint, Options, Problem};
 
 /// Distance below which pairs get a row in a guess [m].
 const GUESS_NEAR: f64 = 0.1;
+/// Distance below which what is walked around gets rows [m].
+const BESIDE: f64 = 0.6;
 /// Rounds of solving with more collision pairs.
 const ROUNDS: usize = 8;
 /// Violation (m, rad) from which no slow attempt is made after two others.
@@ -109,8 +111,11 @@ impl<'a> Ask<'a> {
     }
 
     fn guess_in(&self, arrangement: Arrangement) -> Vec<Vec<f64>> {
-        let Planner { scene, system, .. } = self.planner;
-        guess::keyframes(scene, system, self.phases, arrangement)
+        let mut guess = self.planner.guess_after(&[], self.phases, arrangement);
+        if self.grid == Grid::Keyframes {
+            self.planner.lead_to_goal(&mut guess, 0);
+        }
+        guess
     }
 
     /// The result from a guess with the objects the other way round where they share a support, if that is another one and
@@ -353,6 +358,12 @@ impl<'a> Ask<'a> {
             model.watch_objects(scene, system, self.phases, &mut watched);
         }
         let mut program = self.first_program(&nodes, &watched);
+        let around = planner.ways.around(&nodes);
+        if watches && self.grid != Grid::State && around.contains(&true) {
+            let (scene, model, around) = (planner.scene, &planner.collisions, (&*around, BESIDE));
+            model.watch_static(&program, scene, self.phases, &nodes, around, &mut watched);
+            program = self.first_program(&nodes, &watched);
+        }
         let mut point = guess::point(&program, planner.scene, nodes);
         let mut iterations = 0;
         for round in 0.. {

@@ -134,7 +134,7 @@ impl BestFirst {
         } = self.tree[index as usize];
         let complete = self.expansion.is_complete(node, n_phases as usize);
         if complete {
-            let end = self.expansion.end_cost(node.state);
+            let end = self.expansion.end_cost(node.state, n_phases as usize);
             self.push(index, cost + end, Turn::Return);
         }
         if self.expansion.goes_on(complete, n_phases as usize) {

@@ -215,9 +215,12 @@ impl Expansion {
         phases < self.bounds.max_phases && !(complete && self.bounds.ending == Ending::First)
     }
 
-    pub(crate) fn end_cost(&self, state: StateId) -> Units {
+    /// What it costs to end in a state after so many phases.
+    pub(crate) fn end_cost(&self, state: StateId, phases: usize) -> Units {
+        let missing = self.bounds.likely_phases.saturating_sub(phases) as f64;
         let own = self.end.as_ref();
         let own = own.map_or(0.0, |end| end(&self.graph, self.graph.state(state)));
-        units(self.costs.end(&self.graph, state) + own.max(0.0))
+        let of_state = self.costs.end(&self.graph, state) + own.max(0.0);
+        units(of_state + self.costs.phase * missing)
     }
 }

@@ -20,6 +20,8 @@ pub enum Ending {
 pub struct SearchLimits {
     /// Largest number of phases K_max, the start counted; default [`default_phases`].
     pub max_phases: Option<usize>,
+    /// Phases below which the goal can hardly be reached, whatever the symbols say: to end with fewer costs what these lack.
+    pub likely_phases: usize,
     /// Where sequences end; default [`Ending::Full`] for an empty goal, otherwise [`Ending::First`].
     pub ending: Option<Ending>,
     /// Most beginnings of sequences that are kept in memory (about 150 bytes each), then the search ends.
@@ -30,6 +32,7 @@ impl Default for SearchLimits {
     fn default() -> Self {
         Self {
             max_phases: None,
+            likely_phases: 1,
             ending: None,
             max_nodes: 2_000_000,
         }
@@ -40,6 +43,7 @@ impl Default for SearchLimits {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Bounds {
     pub(crate) max_phases: usize,
+    pub(crate) likely_phases: usize,
     pub(crate) ending: Ending,
     pub(crate) max_nodes: usize,
 }
@@ -53,6 +57,7 @@ impl SearchLimits {
         };
         Bounds {
             max_phases: self.max_phases.unwrap_or_else(|| default_phases(graph)),
+            likely_phases: self.likely_phases,
             ending: self.ending.unwrap_or(natural),
             max_nodes: self.max_nodes,
         }

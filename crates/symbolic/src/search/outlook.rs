@@ -75,7 +75,7 @@ impl Outlook {
             let end = expansion.graph.is_goal(node);
             outlook
                 .ends
-                .push(end.then(|| expansion.end_cost(node.state)));
+                .push(end.then(|| expansion.end_cost(node.state, usize::MAX)));
             if outlook.nodes.len() > MOST_NODES {
                 return None;
             }

@@ -133,7 +133,7 @@ impl Walker {
     /// Draws whether a walk ends in a complete state although it could go on. With an outlook the end is weighed against the
     /// best step as steps are against each other; without, half of the walks end, less where ending costs.
     pub(crate) fn ends_here(&mut self, walk: &Walk) -> bool {
-        let here = phases(self.expansion.end_cost(walk.node.state));
+        let here = phases(self.expansion.end_cost(walk.node.state, walk.n_phases()));
         let share = if self.expansion.outlook.is_some() {
             let list = self.expansion.list(walk.node, walk.last_foot);
             let follows = |next: &&Ranked| {
@@ -193,7 +193,7 @@ impl Walker {
     /// The walk as a complete sequence.
     pub(crate) fn sequence(&mut self, walk: &Walk) -> Sequence {
         self.verdicts.counts.returned += 1;
-        let cost = walk.cost + self.expansion.end_cost(walk.node.state);
+        let cost = walk.cost + self.expansion.end_cost(walk.node.state, walk.n_phases());
         Sequence::along(&self.expansion.graph, &walk.edges, phases(cost))
     }
 
