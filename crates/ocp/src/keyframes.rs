@@ -22,6 +22,7 @@ use crate::relative::Body;
 use crate::resistance::{Pull, Worst};
 use crate::settings::{Arrangement, Settings};
 use crate::state_guess;
+use crate::ways::Ways;
 pub(crate) use ask::Ask;
 use ask::less_violated;
 use multibody::Kinematics;
@@ -123,7 +124,7 @@ impl Planner<'_> {
     ) -> Keyframes {
         let mut guess = self.guess_after(known, phases, settings.arrangement);
         if !open {
-            self.lead_to_goal(&mut guess, known.len().saturating_sub(1));
+            self.lead_to_goal(&mut guess, phases, known.len().saturating_sub(1));
         }
         self.keyframes_near(&guess, phases, settings, open)
     }
@@ -139,7 +140,7 @@ impl Planner<'_> {
         let (system, model) = (&self.system, &self.system.model);
         let mut guess = guess::after(self.scene, system, phases, arrangement, known);
         let Some(last) = known.len().checked_sub(1) else {
-            self.ways.bend(&mut guess, 0);
+            self.ways_of(phases).bend(&mut guess, 0);
             return guess;
         };
         let robot = 0..system.robot_nq;
@@ -160,13 +161,18 @@ impl Planner<'_> {
             let now = known.get(k).unwrap_or(&further);
             q[robot.clone()].copy_from_slice(&now[robot.clone()]);
         }
-        self.ways.bend(&mut guess, last);
+        self.ways_of(phases).bend(&mut guess, last);
         guess
+    }
+
+    /// Ways for a sequence.
+    pub fn ways_of(&self, phases: &[Phase]) -> Ways {
+        self.ways.of(self.scene, phases)
     }
 
     /// Leads the base of a guess to where regions of the goal want it, or near enough to where they want other parts of the robot,
     /// evenly from configuration number `from` on.
-    fn lead_to_goal(&self, guess: &mut [Vec<f64>], from: usize) {
+    fn lead_to_goal(&self, guess: &mut [Vec<f64>], phases: &[Phase], from: usize) {
         let (scene, model) = (self.scene, &self.system.model);
         let last = guess.len() - 1;
         let mut kinematics = Kinematics::new(model);
@@ -193,7 +199,7 @@ impl Planner<'_> {
                 guess[k][i] += share * more[i];
             }
         }
-        self.ways.bend(guess, from);
+        self.ways_of(phases).bend(guess, from);
     }
 
     /// Keyframes of phases whose last state the robot enters from the air, wherever it then is, and whatever objects are `elsewhere`,

@@ -5,6 +5,7 @@
 //!
 //! Source: ours.
 
+use crate::program::Phase;
 use nalgebra::{Vector2, Vector3};
 use scene::{Owner, PlacedShape, Role, Scene, Shape};
 use std::cmp::{Ordering, Reverse};
@@ -35,7 +36,8 @@ type Place = Vector2<f64>;
 /// Ways around what is static in a scene.
 #[derive(Debug, Clone)]
 pub struct Ways {
-    obstacles: Vec<PlacedShape>,
+    /// With the static body that each belongs to.
+    obstacles: Vec<(usize, PlacedShape)>,
     /// Height of the base over the ground, height of that [m].
     base: f64,
     ground: f64,
@@ -50,16 +52,20 @@ impl Ways {
         let start = |i: usize| scene.start.get(i).copied().unwrap_or(0.0);
         let ground = ground(scene);
         let base = (start(2) - ground).max(0.01);
-        let shapes = scene.statics.iter().flat_map(|s| &s.shapes);
-        let in_the_way = |s: &&PlacedShape| {
+        let statics = scene.statics.iter().enumerate();
+        let shapes = statics.flat_map(|(n, s)| s.shapes.iter().map(move |shape| (n, shape)));
+        let in_the_way = |(_, s): &(usize, &PlacedShape)| {
             let (middle, half) = (s.body_from_shape.origin().z, half_height(s));
             middle + half > ground + LOW * base && middle - half < ground + HIGH * base
         };
-        let solid = shapes.filter(|s| !matches!(s.shape, Shape::HalfSpace));
-        let obstacles: Vec<PlacedShape> = solid.filter(in_the_way).cloned().collect();
+        let solid = shapes.filter(|(_, s)| !matches!(s.shape, Shape::HalfSpace));
+        let obstacles: Vec<(usize, PlacedShape)> = solid
+            .filter(in_the_way)
+            .map(|(n, shape)| (n, shape.clone()))
+            .collect();
         let mut low = Place::new(start(0), start(1));
         let mut high = low;
-        for placed in &obstacles {
+        for (_, placed) in &obstacles {
             let middle = placed.body_from_shape.origin().xy();
             let reach = Place::repeat(radius(&placed.shape));
             low = low.inf(&(middle - reach));
@@ -75,6 +81,21 @@ impl Ways {
             cell,
             counts: [0, 1].map(|i| (size[i] / cell).ceil() as usize + 1),
         }
+    }
+
+    /// The same for a sequence: what a foot stands on in any of its states is in nobody's way.
+    #[must_use]
+    pub fn of(&self, scene: &Scene, phases: &[Phase]) -> Self {
+        let stood_on = |n: usize| {
+            let mut contacts = phases.iter().flat_map(|phase| phase.state.iter());
+            contacts.any(|c| {
+                let [foot, surface] = [c.a, c.b].map(|i| &scene.interfaces[i.0]);
+                foot.role == Role::Foot && surface.owner == Owner::Static(n)
+            })
+        };
+        let mut ways = self.clone();
+        ways.obstacles.retain(|(n, _)| !stood_on(*n));
+        ways
     }
 
     /// Length of the way from one place to another [m].
@@ -144,7 +165,7 @@ impl Ways {
             self.ground + self.base * (LOW + share * (HIGH - LOW))
         };
         let points = (0..HEIGHTS).map(|n| Vector3::new(place.x, place.y, height(n)));
-        let nearest = |p: Vector3<f64>| self.obstacles.iter().map(move |o| distance(o, &p));
+        let nearest = |p: Vector3<f64>| self.obstacles.iter().map(move |(_, o)| distance(o, &p));
         points.flat_map(nearest).fold(f64::INFINITY, f64::min)
     }
 

@@ -230,3 +230,65 @@ fn where_any_state_may_be_the_last_the_start_alone_comes_too_and_all_else() {
     assert_eq!(found.len(), all.len());
     assert_eq!(found, all);
 }
+
+#[test]
+fn sequences_that_are_hardly_long_enough_come_later() {
+    let long = |likely_phases: usize| {
+        let limits = SearchLimits {
+            max_phases: Some(13),
+            likely_phases,
+            ending: Some(Ending::Every),
+            ..SearchLimits::default()
+        };
+        let graph = with_goal(one_box(2), Goal::default());
+        let mut search = TreeSearch::new(graph, &limits, Costs::default(), 0);
+        let found = paid(&mut search, 40, |_| 0.5);
+        found.iter().filter(|s| s.states.len() >= 9).count()
+    };
+    assert!(long(1) < 10, "{}", long(1));
+    assert!(long(9) > 30, "{}", long(9));
+}
+
+/// Refuses to have the right hand in contact from the fourth state on; pauses wherever it can, or never.
+struct Hesitant {
+    pauses: bool,
+}
+
+impl Oracle for Hesitant {
+    fn prefix(&mut self, states: &[&ContactState]) -> Verdict {
+        let domain = one_box(3);
+        let held = |s: &ContactState| s.partner(id(&domain, "right_hand")).is_some();
+        if states.len() > 3 && states.last().is_some_and(|s| held(s)) {
+            return Verdict::Reject("too late for the right hand".to_owned());
+        }
+        Verdict::Accept
+    }
+
+    fn pause(&mut self) -> bool {
+        self.pauses
+    }
+}
+
+#[test]
+fn a_search_that_pauses_comes_to_the_same_sequences() {
+    let drawn = |pauses: bool| {
+        let (mut search, mut oracle) = (tree(3), Hesitant { pauses });
+        let (mut found, mut breaks) = (vec![], 0);
+        while found.len() < 60 {
+            match search.next(&mut oracle) {
+                Some(sequence) => {
+                    search.learn(&sequence.states, 0.3);
+                    found.push(sequence.states);
+                }
+                None => {
+                    assert_eq!(search.status(), Status::Stopped);
+                    breaks += 1;
+                }
+            }
+        }
+        (found, breaks)
+    };
+    let (found, breaks) = drawn(true);
+    assert!(breaks > 0);
+    assert_eq!((found, 0), drawn(false));
+}

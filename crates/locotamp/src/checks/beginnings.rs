@@ -10,6 +10,11 @@ use symbolic::{Contact, ContactState, InterfaceId, in_place};
 /// Beginnings whose keyframes are remembered.
 const MOST_NODES: usize = 2000;
 
+/// Work of motions that is done in about the time of a beginning's keyframes, over the square of its phases: they take more iterations the
+/// longer it is, and to refuse one all attempts.
+const POSSIBLE: u64 = 1;
+const REFUSED: u64 = 4;
+
 /// The beginning that was refused last.
 pub(super) struct Refused {
     pub states: Vec<ContactState>,
@@ -34,6 +39,13 @@ impl Checks<'_> {
 
     /// What the journal knows of a beginning, or else what solving says.
     fn answered(&mut self, phases: &[Phase], solve: impl FnOnce(&mut Self) -> Keyframes) -> Answer {
+        let answer = self.known_or(phases, solve);
+        let work = if answer.possible { POSSIBLE } else { REFUSED };
+        self.work += work * (phases.len() * phases.len()) as u64;
+        answer
+    }
+
+    fn known_or(&mut self, phases: &[Phase], solve: impl FnOnce(&mut Self) -> Keyframes) -> Answer {
         let states: States = phases.iter().map(|p| self.names(&p.state)).collect();
         if let Some(known) = self.journal.prefix(&states) {
             return known.clone();

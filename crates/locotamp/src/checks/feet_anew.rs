@@ -3,7 +3,7 @@
 use super::Checks;
 use super::beginnings::Refused;
 use nalgebra::Vector2;
-use ocp::{Arrangement, Keyframes, Phase};
+use ocp::{Arrangement, Keyframes, Phase, Ways};
 use scene::Role;
 use symbolic::{Anew, Contact, ContactState};
 
@@ -37,7 +37,7 @@ impl Checks<'_> {
         let (from, to) = (&nodes[at + 1], &nodes[at + 3]);
         let part = |n: usize| self.on_the_way(from, to, n as f64 / more as f64);
         let mut way: Vec<Vec<f64>> = (0..=more).map(part).collect();
-        self.planner.ways.bend(&mut way, 0);
+        self.planner.ways_of(phases).bend(&mut way, 0);
         let (first, rest) = (&nodes[..=*at], &nodes[at + 4..]);
         Some([first, &way, rest].concat())
     }
@@ -54,16 +54,17 @@ impl Checks<'_> {
             Ok(found) => found,
             Err(miss) => return Some(miss),
         };
-        let mut ways: Vec<(usize, f64)> = (0..stances.len())
-            .map(|n| (n, self.way(&all.nodes, stances[n] + 2 * n)))
+        let ways = self.planner.ways_of(&phases);
+        let mut longest: Vec<(usize, f64)> = (0..stances.len())
+            .map(|n| (n, self.way(&ways, &all.nodes, stances[n] + 2 * n)))
             .collect();
-        ways.sort_by(|a, b| b.1.total_cmp(&a.1).then(b.0.cmp(&a.0)));
-        for &(n, _) in ways.iter().take(TRIES) {
+        longest.sort_by(|a, b| b.1.total_cmp(&a.1).then(b.0.cmp(&a.0)));
+        for &(n, _) in longest.iter().take(TRIES) {
             let at = stances[n];
             let nodes = anew_in_one(&guess, &all.nodes, stances, n);
             let found = self.solve_with(&phases, &[at], &nodes);
             if found.possible {
-                let way = self.way(&found.nodes, at);
+                let way = self.way(&ways, &found.nodes, at);
                 self.anew = Some(FeetAnew {
                     states: states.iter().map(|&s| s.clone()).collect(),
                     at,
@@ -100,12 +101,12 @@ impl Checks<'_> {
     }
 
     /// How far the base goes between the boundary after phase `at` and the second one from there, feet in the air between [m].
-    fn way(&self, nodes: &[Vec<f64>], at: usize) -> f64 {
+    fn way(&self, ways: &Ways, nodes: &[Vec<f64>], at: usize) -> f64 {
         let model = &self.planner.system.model;
         let (from, to) = (&nodes[at + 1], &nodes[at + 3]);
         let turn = model.difference(from, to)[5].abs();
         let place = |q: &[f64]| Vector2::new(q[0], q[1]);
-        self.planner.ways.length(place(from), place(to)) + TURN * turn
+        ways.length(place(from), place(to)) + TURN * turn
     }
 
     /// What came nearest to keyframes of a beginning that was refused by little.

@@ -35,6 +35,10 @@ pub(crate) struct Checks<'a> {
     stop: Stop,
     /// What has been answered.
     pub journal: Journal,
+    /// What the answers of beginnings have taken, or took the run that is continued, roughly, as work of motions.
+    pub work: u64,
+    /// The work at which drawing pauses.
+    pub pause_at: u64,
     /// Keyframes of beginnings.
     nodes: BTreeMap<Vec<ContactState>, Option<Vec<Vec<f64>>>>,
     /// The last beginning that setting feet anew made possible.
@@ -71,6 +75,8 @@ impl<'a> Checks<'a> {
             time_limit,
             stop,
             journal,
+            work: 0,
+            pause_at: u64::MAX,
             nodes: BTreeMap::new(),
             anew: None,
             refused: None,
@@ -304,6 +310,10 @@ impl Oracle for Checks<'_> {
         let reason = answer.reason.unwrap_or_default();
         self.refusals.note_beginning(&reason);
         Verdict::Reject(reason)
+    }
+
+    fn pause(&mut self) -> bool {
+        self.work >= self.pause_at
     }
 
     fn stop(&mut self) -> bool {

@@ -147,6 +147,7 @@ pub fn plan(
             observe,
             drawn: 0,
             drawn_before: 0,
+            paused: false,
             submitted: 0,
             waiting: vec![],
             moved: 0,
@@ -253,6 +254,8 @@ struct Run<'a> {
     /// Number of sequences drawn from the policy; when a motion was begun last; how many were begun.
     drawn: usize,
     drawn_before: usize,
+    /// The last draw has paused.
+    paused: bool,
     submitted: usize,
     /// Sequences that wait for their turn, with or without a motion on the coarse grid.
     waiting: Vec<(Candidate, Work)>,
@@ -333,6 +336,7 @@ impl Run<'_> {
             }
             if !self.under_way.is_empty() {
                 self.take_next();
+                self.paused = false;
             } else if let Some(reason) = self.ended.take() {
                 return reason;
             } else if !self.draw() {

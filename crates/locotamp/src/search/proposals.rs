@@ -7,14 +7,14 @@ use super::more_steps::Promise;
 use super::order::{self, May, Waiting};
 use super::results::name;
 use super::workers::{Evaluated, Job, Start, with_steps};
-use super::{FIRST, Run, reward};
+use super::{Run, reward};
 use crate::api::{Attempt, Event, Reached};
 use crate::journal::{PointEntry, Tried};
 use crate::summary;
 use ocp::{Keyframes, Phase, Point, Relative};
 use scene::{Objective, Owner, Role};
 use symbolic::search::Rejected;
-use symbolic::{Contact, ContactState, Sequence};
+use symbolic::{Contact, ContactState, Oracle, Sequence};
 
 /// Phases at the end in which a sequence may differ from another whose motion it starts from.
 const DIFFERENT_AT_END: usize = 2;
@@ -27,6 +27,8 @@ const DRAWS_TO_CHOOSE: usize = 1;
 const PATIENCE: usize = 100;
 /// Work that a draw counts as ([`super::turns`]): about what is done in the same time on one motion.
 const DRAWING: u64 = 2000;
+/// Work of checks after which drawing pauses: results must not wait where many beginnings are refused.
+const MOST_DRAWING: u64 = 12_000;
 /// What a phase adds to the cost that keyframes promise: its time, at about half a second.
 const PHASE: f64 = 0.5;
 /// What the cost of keyframes counts for: a phase costs as much as sixteen of its nodes.
@@ -210,25 +212,30 @@ impl Run<'_> {
         });
     }
 
-    /// True if so many sequences have been drawn since the last submission as are wanted for the next.
+    /// True if so many sequences have been drawn since the last submission as are wanted for the next, or drawing has paused.
     pub fn has_choice(&self) -> bool {
         let draws = match self.submitted {
-            1..FIRST => 0,
+            0 => 1,
             _ if self.chooses() => DRAWS_TO_CHOOSE,
             _ => DRAWS,
         };
-        self.drawn >= self.drawn_before + draws
+        self.paused || self.drawn >= self.drawn_before + draws
     }
 
-    /// Draws the next sequence and checks it by keyframes, to wait for its turn if it passes; false if there is none.
+    /// Draws the next sequence and checks it by keyframes, to wait for its turn if it passes, unless that takes so long that what else
+    /// there is to do comes first; false if there is none.
     pub fn draw(&mut self) -> bool {
         let turns = self.workers.turns.clone();
         let _turn = turns.enter(0, self.clock);
         self.drawn += 1;
         self.clock += DRAWING;
         let number = self.drawn;
-        let Some(sequence) = self.policy.next(&mut self.checks) else {
-            return false;
+        self.checks.pause_at = self.checks.work + MOST_DRAWING;
+        let next = self.policy.next(&mut self.checks);
+        self.paused = next.is_none() && self.checks.pause() && !self.checks.stop();
+        let Some(sequence) = next else {
+            self.drawn -= 1;
+            return self.paused;
         };
         let clock = Instant::now();
         self.tell(&Event::Sequence {

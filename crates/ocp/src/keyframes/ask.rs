@@ -113,7 +113,7 @@ impl<'a> Ask<'a> {
     fn guess_in(&self, arrangement: Arrangement) -> Vec<Vec<f64>> {
         let mut guess = self.planner.guess_after(&[], self.phases, arrangement);
         if self.grid == Grid::Keyframes {
-            self.planner.lead_to_goal(&mut guess, 0);
+            self.planner.lead_to_goal(&mut guess, self.phases, 0);
         }
         guess
     }
@@ -358,7 +358,7 @@ impl<'a> Ask<'a> {
             model.watch_objects(scene, system, self.phases, &mut watched);
         }
         let mut program = self.first_program(&nodes, &watched);
-        let around = planner.ways.around(&nodes);
+        let around = planner.ways_of(self.phases).around(&nodes);
         if watches && self.grid != Grid::State && around.contains(&true) {
             let (scene, model, around) = (planner.scene, &planner.collisions, (&*around, BESIDE));
             model.watch_static(&program, scene, self.phases, &nodes, around, &mut watched);

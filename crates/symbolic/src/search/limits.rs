@@ -108,6 +108,6 @@ pub enum Status {
     NoSkeleton,
     /// The limit on memory is reached.
     Full,
-    /// The oracle asked to stop; the next call resumes.
+    /// The oracle asked to stop or pause; the next call resumes.
     Stopped,
 }

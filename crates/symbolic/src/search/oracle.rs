@@ -61,6 +61,12 @@ pub trait Oracle {
         None
     }
 
+    /// True to have the search return without a sequence where it would begin to look in another place: what was asked since the last
+    /// sequence has taken long. It can be resumed.
+    fn pause(&mut self) -> bool {
+        false
+    }
+
     /// True to end the search at once (time limit, interrupt); it can be resumed.
     fn stop(&mut self) -> bool {
         false

@@ -52,7 +52,11 @@ impl Rollouts {
 impl Policy for Rollouts {
     /// [`Status::Exhausted`] also if many rollouts in a row found nothing new.
     fn next(&mut self, oracle: &mut dyn Oracle) -> Option<Sequence> {
-        for _ in 0..MAX_FAILURES {
+        for n in 0..MAX_FAILURES {
+            if n > 0 && oracle.pause() {
+                self.status = Status::Stopped;
+                return None;
+            }
             if let Some(status) = self.walker.end(self.walker.created, oracle) {
                 self.status = status;
                 return None;

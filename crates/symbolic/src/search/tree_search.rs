@@ -286,7 +286,11 @@ impl TreeSearch {
 impl Policy for TreeSearch {
     /// [`Status::Exhausted`] also if many simulations in a row found nothing new.
     fn next(&mut self, oracle: &mut dyn Oracle) -> Option<Sequence> {
-        for _ in 0..MAX_FAILURES {
+        for n in 0..MAX_FAILURES {
+            if n > 0 && oracle.pause() {
+                self.status = Status::Stopped;
+                return None;
+            }
             if let Some(status) = self.walker.end(self.tree.len(), oracle) {
                 self.status = status;
                 return None;
