@@ -405,6 +405,28 @@ mod tests {
     }
 
     #[test]
+    fn what_a_foot_stands_on_is_in_nobodys_way() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/around-table.toml");
+        let scene = Scene::load(&path).expect("a scene");
+        let interface = |name: &str| scene.interface_id(name).expect("an interface");
+        let step = |on: &str| Phase {
+            state: std::iter::once(symbolic::Contact {
+                a: interface("left_foot"),
+                b: interface(on),
+                kind: symbolic::ContactType::UnilateralPatch,
+            })
+            .collect(),
+            steps: 1,
+        };
+        let corners = |on: &str| {
+            let ways = Ways::new(&scene).of(&scene, &[step("ground_top"), step(on)]);
+            ways.between(START.into(), [1.4, 0.0].into()).len() - 2
+        };
+        assert!(corners("ground_top") > 0);
+        assert_eq!(corners("table_top"), 0);
+    }
+
+    #[test]
     fn guesses_are_bent_evenly_where_something_is_in_between() {
         let ways = ways([0.1, 1.0, 1.0], [1.0, 0.1, 0.5]);
         let straight: Vec<Vec<f64>> = (0..=10).map(|n| vec![0.2 * f64::from(n), 0.0]).collect();
