@@ -275,15 +275,12 @@ fn a_search_that_pauses_comes_to_the_same_sequences() {
         let (mut search, mut oracle) = (tree(3), Hesitant { pauses });
         let (mut found, mut breaks) = (vec![], 0);
         while found.len() < 60 {
-            match search.next(&mut oracle) {
-                Some(sequence) => {
-                    search.learn(&sequence.states, 0.3);
-                    found.push(sequence.states);
-                }
-                None => {
-                    assert_eq!(search.status(), Status::Stopped);
-                    breaks += 1;
-                }
+            if let Some(sequence) = search.next(&mut oracle) {
+                search.learn(&sequence.states, 0.3);
+                found.push(sequence.states);
+            } else {
+                assert_eq!(search.status(), Status::Stopped);
+                breaks += 1;
             }
         }
         (found, breaks)
