@@ -35,7 +35,7 @@ impl Strides {
             .iter()
             .map(|i| Surface::new(scene, i, sole))
             .collect();
-        let height = base_height(scene, &surfaces);
+        let height = ocp::base_height(scene);
         let effort = |a: usize, b: usize| match (&surfaces[a], &surfaces[b]) {
             (Some(from), Some(to)) if a != b => from.effort_to(to, height),
             _ => 0.0,
@@ -102,23 +102,6 @@ fn sole(scene: &Scene) -> f64 {
     let feet = scene.interfaces.iter().filter(|i| i.role == Role::Foot);
     let lengths = feet.filter_map(|i| i.half_size.map(|[x, y]| x.max(y)));
     lengths.fold(0.0, f64::max)
-}
-
-/// Height of the base at the start above the highest surface below it, at least a centimetre [m].
-fn base_height(scene: &Scene, surfaces: &[Option<Surface>]) -> f64 {
-    let base = scene.start.get(2).copied().unwrap_or(0.0);
-    let stands_on = scene.start_contacts.iter().filter(|c| {
-        let foot = &scene.interfaces[c.a.0];
-        foot.role == Role::Foot
-    });
-    let heights = stands_on.filter_map(|c| surfaces[c.b.0].as_ref().map(|s| s.height));
-    let ground = heights.fold(f64::NEG_INFINITY, f64::max);
-    let height = if ground.is_finite() {
-        base - ground
-    } else {
-        base
-    };
-    height.max(0.01)
 }
 
 /// Places of a grid on a surface where a sole fits in one direction at least and no static body is in its way.

@@ -56,4 +56,4 @@ pub use settings::{
     Arrangement, Ending, Integrator, Margins, NEARLY_SOLVED, Preset, Settings, Sticking, Weights,
 };
 pub use system::System;
-pub use ways::Ways;
+pub use ways::{Ways, base_height};

@@ -51,7 +51,7 @@ impl Ways {
     pub fn new(scene: &Scene) -> Self {
         let start = |i: usize| scene.start.get(i).copied().unwrap_or(0.0);
         let ground = ground(scene);
-        let base = (start(2) - ground).max(0.01);
+        let base = base_height(scene);
         let statics = scene.statics.iter().enumerate();
         let shapes = statics.flat_map(|(n, s)| s.shapes.iter().map(move |shape| (n, shape)));
         let in_the_way = |(_, s): &(usize, &PlacedShape)| {
@@ -297,6 +297,12 @@ fn at_share(way: &[Place], share: f64) -> Place {
 fn samples(from: Place, to: Place) -> impl Iterator<Item = Place> {
     let count = ((to - from).norm() / SAMPLE).ceil() as usize + 1;
     (0..=count).map(move |n| from + (to - from) * (n as f64 / count as f64))
+}
+
+/// Height of the base at the start above the highest surface on which a foot stands, at least a centimetre [m].
+pub fn base_height(scene: &Scene) -> f64 {
+    let base = scene.start.get(2).copied().unwrap_or(0.0);
+    (base - ground(scene)).max(0.01)
 }
 
 /// Height of what the feet stand on at the start [m].

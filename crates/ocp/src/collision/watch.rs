@@ -121,7 +121,6 @@ impl CollisionModel {
     }
 
     /// Adds the rows whose bodies are nearer than `near` [m] at one configuration per node; true if a new one is violated.
-    #[allow(clippy::too_many_arguments)] // a program, a point and what to look for
     pub fn watch(
         &self,
         program: &Program,
@@ -136,7 +135,6 @@ impl CollisionModel {
     }
 
     /// Adds those of static bodies at these nodes, floors aside: with these rows the robot stays on its side of what it walks around.
-    #[allow(clippy::too_many_arguments)] // a program, a point and what to look for
     pub fn watch_static(
         &self,
         program: &Program,
