@@ -12,8 +12,8 @@ const MOST_NODES: usize = 2000;
 
 /// Work of motions that is done in about the time of a beginning's keyframes, over the square of its phases: they take more iterations the
 /// longer it is, and to refuse one all attempts.
-const POSSIBLE: u64 = 1;
-const REFUSED: u64 = 4;
+const POSSIBLE: u64 = 2;
+const REFUSED: u64 = 6;
 
 /// The beginning that was refused last.
 pub(super) struct Refused {

@@ -14,6 +14,8 @@ use symbolic::ContactState;
 
 /// What a motion costs, in that of what its keyframes promised, from which on it is strained.
 const STRAINED: f64 = 2.0;
+/// The same up to which it is as promised: it is worth trying on the finer grid whatever others cost.
+const AS_PROMISED: f64 = 1.4;
 /// Promises below this count as this much: a few steps more or less of so short a motion say nothing.
 const LEAST_PROMISE: f64 = 10.0;
 /// What a failure adds to the cost that is expected of others at its place, in what was promised; on the finer grid, in what its coarse
@@ -63,6 +65,11 @@ impl Growth {
     /// True if a motion costs far more than its keyframes promised; not told where the scene rewards something.
     pub fn is_strained(&self, promise: f64, cost: f64) -> bool {
         !self.has_reward && cost > STRAINED * promise.max(LEAST_PROMISE)
+    }
+
+    /// True if a motion costs about what its keyframes promised; not told where the scene rewards something.
+    pub fn is_as_promised(&self, promise: f64, cost: f64) -> bool {
+        !self.has_reward && cost <= AS_PROMISED * promise.max(LEAST_PROMISE)
     }
 
     /// Takes note of a motion on the coarse grid and its costs.

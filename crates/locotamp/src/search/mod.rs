@@ -7,6 +7,7 @@
 //! are taken in the order of the work that was done on them ([`turns`]), so that a motion that is hard to find holds up nothing and
 //! the run is the same however many threads there are and however long they take.
 
+mod candidate;
 mod diverse;
 mod failures;
 mod growth;
@@ -31,13 +32,13 @@ use crate::checks::Checks;
 use crate::journal::{Header, Journal, States};
 use crate::start::check_start;
 use crate::{departures, domain};
+use candidate::{Candidate, Work};
 use diverse::{Diverse, Kept};
 use failures::Failures;
 use growth::Growth;
 use more_steps::Longer;
 use ocp::{Ending, Integrator, Phase, Planner, Point, Preset, Relative, Settings, Sticking};
 use places::Places;
-use proposals::{Candidate, Work};
 use reward::Rewards;
 use scene::{Owner, Scene};
 use symbolic::{
@@ -147,7 +148,7 @@ pub fn plan(
             observe,
             drawn: 0,
             drawn_before: 0,
-            paused: false,
+            begun_at: 0,
             submitted: 0,
             waiting: vec![],
             moved: 0,
@@ -251,11 +252,10 @@ struct Run<'a> {
     checks: Checks<'a>,
     workers: Workers,
     observe: &'a mut dyn FnMut(&Event) -> bool,
-    /// Number of sequences drawn from the policy; when a motion was begun last; how many were begun.
+    /// Number of sequences drawn from the policy; that and the clock when a motion was begun last; how many were begun.
     drawn: usize,
     drawn_before: usize,
-    /// The last draw has paused.
-    paused: bool,
+    begun_at: u64,
     submitted: usize,
     /// Sequences that wait for their turn, with or without a motion on the coarse grid.
     waiting: Vec<(Candidate, Work)>,
@@ -320,6 +320,9 @@ impl Run<'_> {
             if let Some(reason) = self.is_over() {
                 return reason;
             }
+            if self.take_next(self.clock) {
+                continue;
+            }
             let has_room = self.under_way.len() < IN_FLIGHT.min(FIRST + self.moved / 2);
             if self.is_full() {
                 self.ended = self.ended.take().or_else(|| Some(self.full()));
@@ -328,15 +331,8 @@ impl Run<'_> {
             if has_room && self.submit(has_choice) {
                 continue;
             }
-            if !has_choice && !self.is_last_there() {
-                if !self.draw() {
-                    self.ended = Some(self.exhausted());
-                }
-                continue;
-            }
-            if !self.under_way.is_empty() {
-                self.take_next();
-                self.paused = false;
+            if !self.under_way.is_empty() && (has_choice || self.is_last_there()) {
+                self.take_next(u64::MAX);
             } else if let Some(reason) = self.ended.take() {
                 return reason;
             } else if !self.draw() {

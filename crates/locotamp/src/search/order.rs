@@ -17,6 +17,8 @@ pub(super) struct Waiting {
     pub cost: f64,
     /// True if that is far more than its keyframes promised.
     pub is_strained: bool,
+    /// True if that is about what its keyframes promised.
+    pub is_as_promised: bool,
 }
 
 /// What may be begun.
@@ -35,7 +37,8 @@ pub(super) struct May {
 /// The most promising one: whose motion on the coarse grid is likely to cost least, since postures at the edge of reach cost a lot,
 /// and make the optimiser's work hard; of equal ones the first.
 ///
-/// If that has its motion, it is tried on the finer grid; but not before there are some to choose from, unless no other waits. If many
+/// If that has its motion, it is tried on the finer grid; but not before there are some to choose from, unless it costs what was promised or
+/// no other waits. If many
 /// have theirs, the cheapest of them is tried. Others are begun only if so many sequences have been drawn that there is a choice.
 pub(super) fn next(waiting: &[Waiting], may: May) -> Option<usize> {
     let cost = |n: usize| waiting[n].cost;
@@ -49,12 +52,12 @@ pub(super) fn next(waiting: &[Waiting], may: May) -> Option<usize> {
     let motions = || waiting.iter().filter(|w| w.has_motion);
     let are_many = motions().count() >= MOST_STRAINED
         || motions().filter(|w| !w.is_strained).count() >= MOST_WAITING;
+    let is_chosen = |hold: usize, begin: usize| {
+        let has_others = may.moved >= CHOICE || waiting[hold].is_as_promised;
+        has_others && cost(hold) <= cost(begin)
+    };
     match (held, begun) {
-        (Some(hold), Some(begin))
-            if are_many || (may.moved >= CHOICE && cost(hold) <= cost(begin)) =>
-        {
-            Some(hold)
-        }
+        (Some(hold), Some(begin)) if are_many || is_chosen(hold, begin) => Some(hold),
         (_, Some(begin)) => Some(begin).filter(|_| may.choose),
         (hold, None) => hold.filter(|_| may.choose),
     }
@@ -81,6 +84,7 @@ mod tests {
                 has_motion,
                 cost,
                 is_strained: cost > STRAIN,
+                is_as_promised: false,
             };
             costs.iter().map(one).collect::<Vec<_>>()
         };
@@ -117,6 +121,15 @@ mod tests {
         };
         assert_eq!(next(&waiting(&[4.0], &[6.0]), undrawn), None);
         assert_eq!(next(&waiting(&[4.0], &[]), undrawn), None);
+    }
+
+    #[test]
+    fn what_costs_as_promised_is_held_at_once() {
+        let first = May { moved: 1, ..MAY };
+        let mut sequences = waiting(&[4.0], &[6.0, 3.0]);
+        sequences[0].is_as_promised = true;
+        assert_eq!(next(&sequences, first), Some(2), "it promises less");
+        assert_eq!(next(&sequences[..2], first), Some(0));
     }
 
     #[test]

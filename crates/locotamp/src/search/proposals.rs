@@ -3,15 +3,16 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::candidate::{Candidate, Work};
 use super::more_steps::Promise;
 use super::order::{self, May, Waiting};
 use super::results::name;
 use super::workers::{Evaluated, Job, Start, with_steps};
 use super::{Run, reward};
 use crate::api::{Attempt, Event, Reached};
-use crate::journal::{PointEntry, Tried};
+use crate::journal::Tried;
 use crate::summary;
-use ocp::{Keyframes, Phase, Point, Relative};
+use ocp::{Keyframes, Phase, Relative};
 use scene::{Objective, Owner, Role};
 use symbolic::search::Rejected;
 use symbolic::{Contact, ContactState, Oracle, Sequence};
@@ -25,10 +26,14 @@ const DRAWS_TO_CHOOSE: usize = 1;
 /// Iterations after which a sequence is given up once there is a plan and the best of many is sought: motions that take more cost
 /// nearly twice as much as others where they are found at all (benches/runs/2026-11-26-best-of-many.md).
 const PATIENCE: usize = 100;
-/// Work that a draw counts as ([`super::turns`]): about what is done in the same time on one motion.
-const DRAWING: u64 = 2000;
-/// Work of checks after which drawing pauses: results must not wait where many beginnings are refused.
+/// Work of checks ([`super::turns`]) after which drawing pauses: results must not wait where many beginnings are refused.
+const DRAWING: u64 = 1000;
+/// Advance of the clock after which a motion is begun whatever there is to choose from.
 const MOST_DRAWING: u64 = 12_000;
+/// What keyframes of a sequence count as, and what a round of more steps adds that was found for it, over the square of its phases:
+/// about the work that is done in the same time on one motion.
+const KEYFRAMES: u64 = 1;
+const MORE_STEPS: u64 = 6;
 /// What a phase adds to the cost that keyframes promise: its time, at about half a second.
 const PHASE: f64 = 0.5;
 /// What the cost of keyframes counts for: a phase costs as much as sixteen of its nodes.
@@ -43,83 +48,8 @@ const FLIGHT: f64 = 18.0;
 /// Height by which a motion may end above its keyframes [m]: those are near the home posture at the end, motions stretch.
 const HEIGHT_ROOM: f64 = 0.12;
 
-/// What a motion costs more on the grid on which it holds than on the coarse one, in the cost of that, from which on it has become
-/// another one: half as much or less for most (benches/runs/2026-11-26-more-steps.md).
-const CHANGED: f64 = 0.5;
-
-/// A sequence whose keyframes exist.
-pub(super) struct Candidate {
-    pub number: usize,
-    pub sequence: Sequence,
-    /// The cost that its keyframes promise.
-    pub promise: f64,
-    /// Its motion on the coarse grid, once there is one that may hold on a finer grid.
-    pub coarse: Option<Coarse>,
-    /// What is known of it from the run that is continued.
-    pub known: Option<Tried>,
-}
-
-/// What the motion of a sequence on the coarse grid costs, and what it took.
-pub(super) struct Coarse {
-    pub cost: f64,
-    /// The part of it that is the scene's objective.
-    pub objective: f64,
-    pub iterations: usize,
-    pub work: u64,
-    pub seconds: f64,
-    pub relative: Option<Arc<Relative>>,
-}
-
-impl Coarse {
-    /// True if a motion on the finer grid at this cost, with this part for the scene's objective, has become another one, mostly a
-    /// contorted one.
-    pub fn is_left(&self, cost: f64, objective: f64) -> bool {
-        let (before, now) = (self.cost - self.objective, cost - objective);
-        now - before > CHANGED * before
-    }
-}
-
-/// What is next for it.
-pub(super) enum Work {
-    /// The motion, from keyframes.
-    Move(Vec<Vec<f64>>),
-    /// The same motion on the grid on which it must hold, from that on the coarse grid with so many intervals per phase.
-    Hold(Point, Vec<usize>),
-    /// Nothing but to set up again a motion that is known, and whether it is feasible.
-    Restore {
-        point: PointEntry,
-        feasible: bool,
-        /// Work that it took.
-        work: u64,
-    },
-    /// Nothing: it is known what comes of it.
-    Remembered(Box<Evaluated>),
-}
-
-impl Work {
-    /// After what the journal holds: a motion, or that there is none; `coarse` of the work was for that on the coarse grid.
-    pub fn known(tried: &Tried, coarse: u64) -> Self {
-        let feasible = tried.reached == name(Reached::Feasible);
-        let work = tried.work.saturating_sub(coarse);
-        let Some(point) = tried.point.clone() else {
-            let known = Evaluated::remembered(tried);
-            return Self::Remembered(Box::new(Evaluated { work, ..known }));
-        };
-        Self::Restore {
-            point,
-            feasible,
-            work,
-        }
-    }
-
-    /// Work that the run that is continued has done, and that need not be done again.
-    fn spent(&self) -> u64 {
-        match self {
-            Self::Move(_) | Self::Hold(..) => 0,
-            Self::Restore { work, .. } => *work,
-            Self::Remembered(done) => done.work,
-        }
-    }
+fn squared_phases(sequence: &Sequence) -> u64 {
+    sequence.states.len().pow(2) as u64
 }
 
 impl Run<'_> {
@@ -132,6 +62,7 @@ impl Run<'_> {
         if candidate.coarse.is_none() {
             self.submitted += 1;
             self.drawn_before = self.drawn;
+            self.begun_at = self.clock;
         }
         self.begin(candidate, work);
         true
@@ -146,11 +77,13 @@ impl Run<'_> {
                     has_motion: true,
                     cost: self.growth.expected_to_hold(states, coarse.cost),
                     is_strained: self.growth.is_strained(promise, coarse.cost),
+                    is_as_promised: self.growth.is_as_promised(promise, coarse.cost),
                 },
                 None => Waiting {
                     has_motion: false,
                     cost: self.growth.expected(states, promise),
                     is_strained: false,
+                    is_as_promised: false,
                 },
             }
         };
@@ -180,6 +113,7 @@ impl Run<'_> {
         let phases = self.phases(&candidate.sequence);
         let (number, labels) = (candidate.number, candidate.sequence.labels.clone());
         let cost = candidate.coarse.as_ref().map(|coarse| coarse.cost);
+        let pace = candidate.pace();
         self.under_way.begin(candidate, self.clock, work.spent());
         let (phases, start) = match work {
             Work::Remembered(done) => {
@@ -206,20 +140,22 @@ impl Run<'_> {
         self.workers.submit(Job {
             number,
             clock: self.clock,
+            pace,
             labels,
             phases,
             start,
         });
     }
 
-    /// True if so many sequences have been drawn since the last submission as are wanted for the next, or drawing has paused.
+    /// True if so many sequences have been drawn since the last submission as are wanted for the next, or drawing takes long.
     pub fn has_choice(&self) -> bool {
         let draws = match self.submitted {
             0 => 1,
             _ if self.chooses() => DRAWS_TO_CHOOSE,
             _ => DRAWS,
         };
-        self.paused || self.drawn >= self.drawn_before + draws
+        let is_late = self.clock >= self.begun_at + MOST_DRAWING;
+        is_late || self.drawn >= self.drawn_before + draws
     }
 
     /// Draws the next sequence and checks it by keyframes, to wait for its turn if it passes, unless that takes so long that what else
@@ -227,16 +163,15 @@ impl Run<'_> {
     pub fn draw(&mut self) -> bool {
         let turns = self.workers.turns.clone();
         let _turn = turns.enter(0, self.clock);
-        self.drawn += 1;
-        self.clock += DRAWING;
-        let number = self.drawn;
-        self.checks.pause_at = self.checks.work + MOST_DRAWING;
+        let before = self.checks.work;
+        self.checks.pause_at = before + DRAWING;
         let next = self.policy.next(&mut self.checks);
-        self.paused = next.is_none() && self.checks.pause() && !self.checks.stop();
+        self.spend(self.checks.work - before);
         let Some(sequence) = next else {
-            self.drawn -= 1;
-            return self.paused;
+            return self.checks.pause() && !self.checks.stop();
         };
+        self.drawn += 1;
+        let number = self.drawn;
         let clock = Instant::now();
         self.tell(&Event::Sequence {
             number,
@@ -246,6 +181,7 @@ impl Run<'_> {
             self.leave_out_same(number, sequence, other);
             return true;
         }
+        self.spend(KEYFRAMES * squared_phases(&sequence));
         let drawn = sequence;
         let sequence = self.with_remembered_steps(&drawn);
         let states = self.names(&sequence);
@@ -272,6 +208,9 @@ impl Run<'_> {
             });
             (longer.sequence, longer.cost, Work::Move(longer.nodes))
         };
+        if sequence.states.len() > drawn.states.len() {
+            self.spend(MORE_STEPS * squared_phases(&sequence));
+        }
         self.longer.note(number, &drawn, &sequence);
         let candidate = Candidate {
             number,
@@ -282,6 +221,11 @@ impl Run<'_> {
         };
         self.waiting.push((candidate, work));
         true
+    }
+
+    /// Counts work of drawing; less, while all that is under way advances faster.
+    fn spend(&mut self, work: u64) {
+        self.clock += work / self.under_way.least_pace();
     }
 
     /// The cost that keyframes promise, and these; `None` if the sequence is not worth an optimisation.
@@ -457,28 +401,4 @@ fn nearest(relatives: &[Arc<Relative>], phases: &[Phase]) -> Option<Arc<Relative
     let near = relatives.iter().find(|r| shared(r) == most);
     near.filter(|_| most + DIFFERENT_AT_END >= phases.len())
         .cloned()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::Coarse;
-
-    #[test]
-    fn a_motion_that_costs_half_as_much_again_on_the_finer_grid_has_become_another_one() {
-        let coarse = |cost, objective| Coarse {
-            cost,
-            objective,
-            iterations: 0,
-            work: 0,
-            seconds: 0.0,
-            relative: None,
-        };
-        for objective in [0.0, -80.0] {
-            for (before, now, left) in [(50.2, 96.6, true), (39.3, 46.8, false)] {
-                let coarse = coarse(before + objective, objective);
-                let is_left = coarse.is_left(now + objective, objective);
-                assert_eq!(is_left, left, "{before}, {now}, {objective}");
-            }
-        }
-    }
 }

@@ -3,8 +3,8 @@
 use std::mem;
 use std::sync::atomic::Ordering;
 
+use super::candidate::{Candidate, Coarse, Work};
 use super::diverse::{Kept, loaded};
-use super::proposals::{Candidate, Coarse, Work};
 use super::reward::Rewards;
 use super::workers::{Evaluated, Message, with_steps};
 use super::{Nearest, Run};
@@ -18,24 +18,21 @@ use symbolic::Sequence;
 const MOST_RELATIVES: usize = 16;
 
 impl Run<'_> {
-    /// Takes the next result when it is sure which one that is, unless the search is over before.
-    pub fn take_next(&mut self) {
-        while self.under_way.next().is_none() {
+    /// Takes the next result when it is sure which one that is, if it comes before this clock; true if there was one, or the search is
+    /// over: what that cuts off says nothing.
+    pub fn take_next(&mut self, before: u64) -> bool {
+        while self.under_way.comes_before(before) && self.is_over().is_none() {
+            if let Some((clock, candidate, done)) = self.under_way.take_next() {
+                self.clock = self.clock.max(clock);
+                self.take(candidate, done);
+                return true;
+            }
             match self.workers.messages.recv() {
                 Ok(message) => self.receive(message),
                 Err(_) => self.lost = true,
             }
-            if self.is_over().is_some() {
-                return;
-            }
         }
-        // What was cut off by the end of the search says nothing.
-        if self.is_over().is_none()
-            && let Some((clock, candidate, done)) = self.under_way.take_next()
-        {
-            self.clock = self.clock.max(clock);
-            self.take(candidate, done);
-        }
+        self.is_over().is_some()
     }
 
     /// Takes the plans that are there but for their turn, if the search was cut off.
@@ -347,9 +344,11 @@ impl Run<'_> {
         }
     }
 
-    /// Counts the sequences whose motions on the coarse grid had no turn on the finer one.
+    /// Counts the sequences whose motions on the coarse grid had no turn on the finer one, or whose turn had no end.
     fn count_coarse(&mut self) {
-        for (candidate, _) in mem::take(&mut self.waiting) {
+        let waiting = mem::take(&mut self.waiting).into_iter();
+        let under_way = mem::take(&mut self.under_way).candidates();
+        for candidate in waiting.map(|(candidate, _)| candidate).chain(under_way) {
             let Some(coarse) = candidate.coarse else {
                 continue;
             };

@@ -1,8 +1,10 @@
 //! Which of the motions under way is optimised next where there are more of them than threads: the one with the least clock.
 //!
 //! The clock of a motion is that of the search at its submission, plus the work done on it: elements of its problem, summed over
-//! iterations. It is the same on every machine, and results are taken in its order ([`super::Run::take_next`]); the least advanced
-//! motion is the one that everything else waits for. Drawing sequences takes a place too.
+//! iterations; on the finer grid, where a motion may become a plan, several units of work count as one. It is the same on every machine,
+//! and results are taken in its order ([`super::Run::take_next`]); the least advanced motion is the one that everything else waits for.
+//! Drawing sequences takes a place too, and has its clock: what it does advances the search's, and before it goes on all results are
+//! taken that come before.
 
 use std::collections::BTreeMap;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};

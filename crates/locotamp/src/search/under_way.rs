@@ -1,6 +1,6 @@
 //! The motions under way, and whose result is the next.
 
-use super::proposals::Candidate;
+use super::candidate::Candidate;
 use super::workers::Evaluated;
 use std::collections::BTreeMap;
 
@@ -17,6 +17,13 @@ struct Entry {
     result: Option<Evaluated>,
 }
 
+impl Entry {
+    /// The clock by which so much was done.
+    fn clock(&self) -> u64 {
+        self.begin + self.work / self.candidate.pace()
+    }
+}
+
 impl UnderWay {
     pub fn len(&self) -> usize {
         self.0.len()
@@ -24,6 +31,12 @@ impl UnderWay {
 
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
+    }
+
+    /// The pace of the slowest; that of motions on the coarse grid if there is none.
+    pub fn least_pace(&self) -> u64 {
+        let paces = self.0.values().map(|entry| entry.candidate.pace());
+        paces.min().unwrap_or(1)
     }
 
     /// A sequence is submitted at this clock of the search, with work that need not be done again.
@@ -57,30 +70,49 @@ impl UnderWay {
         self.next_entry()?.result.as_ref()
     }
 
+    /// True if the next result may come before this clock.
+    pub fn comes_before(&self, clock: u64) -> bool {
+        let next = self.next_entry();
+        next.is_some_and(|entry| entry.clock() < clock)
+    }
+
     /// Takes it, with its clock.
     pub fn take_next(&mut self) -> Option<(u64, Candidate, Evaluated)> {
         self.next()?;
         let number = self.next_entry()?.candidate.number;
         let entry = self.0.remove(&number)?;
-        Some((entry.begin + entry.work, entry.candidate, entry.result?))
+        Some((entry.clock(), entry.candidate, entry.result?))
     }
 
     fn next_entry(&self) -> Option<&Entry> {
         let entries = self.0.values();
-        entries.min_by_key(|entry| (entry.begin + entry.work, entry.candidate.number))
+        entries.min_by_key(|entry| (entry.clock(), entry.candidate.number))
     }
 
-    /// Takes all plans that are there, and forgets the rest.
+    /// Takes all plans that are there.
     pub fn take_plans(&mut self) -> Vec<(Candidate, Evaluated)> {
-        let entries = std::mem::take(&mut self.0).into_values();
-        let plan =
-            |entry: Entry| Some((entry.candidate, entry.result.filter(|r| r.plan.is_some())?));
-        entries.filter_map(plan).collect()
+        let is_plan = |entry: &Entry| {
+            let result = entry.result.as_ref();
+            result.is_some_and(|result| result.plan.is_some())
+        };
+        let (plans, rest) = std::mem::take(&mut self.0)
+            .into_iter()
+            .partition(|(_, entry)| is_plan(entry));
+        self.0 = rest;
+        let plans: BTreeMap<usize, Entry> = plans;
+        let parts = |entry: Entry| Some((entry.candidate, entry.result?));
+        plans.into_values().filter_map(parts).collect()
+    }
+
+    /// The sequences, results or not.
+    pub fn candidates(self) -> impl Iterator<Item = Candidate> {
+        self.0.into_values().map(|entry| entry.candidate)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::candidate::Coarse;
     use super::*;
     use ocp::NEARLY_SOLVED;
     use symbolic::Sequence;
@@ -137,6 +169,36 @@ mod tests {
         let (clock, taken, _) = under_way.take_next().expect("the first is next");
         assert_eq!((clock, taken.number), (40, 1));
         assert!(under_way.is_empty());
+    }
+
+    #[test]
+    fn motions_on_the_finer_grid_advance_faster() {
+        let held = Candidate {
+            coarse: Some(Coarse {
+                cost: 1.0,
+                objective: 0.0,
+                iterations: 1,
+                work: 1,
+                seconds: 0.0,
+                relative: None,
+            }),
+            ..candidate(1)
+        };
+        let pace = held.pace();
+        let mut under_way = UnderWay::default();
+        assert_eq!(under_way.least_pace(), 1);
+        under_way.begin(held, 10, 0);
+        assert_eq!(under_way.least_pace(), pace);
+        under_way.worked(1, 2 * pace);
+        assert!(under_way.comes_before(13) && !under_way.comes_before(12));
+        under_way.begin(candidate(2), 0, 0);
+        assert_eq!(under_way.least_pace(), 1);
+        under_way.done(2, result(13));
+        under_way.done(1, result(2 * pace));
+        let order: Vec<_> = std::iter::from_fn(|| under_way.take_next())
+            .map(|(clock, taken, _)| (clock, taken.number))
+            .collect();
+        assert_eq!(order, [(12, 1), (13, 2)]);
     }
 
     #[test]

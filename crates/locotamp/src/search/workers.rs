@@ -20,6 +20,8 @@ pub(super) struct Job {
     pub number: usize,
     /// Where its clock starts ([`Turns`]).
     pub clock: u64,
+    /// Work that is one unit of it.
+    pub pace: u64,
     pub labels: Vec<String>,
     pub phases: Vec<Phase>,
     pub start: Start,
@@ -246,6 +248,7 @@ impl Shop<'_> {
         let turn = turns.enter(job.number, job.clock);
         let mut work = 0;
         let mut watch = |i: &Iteration| {
+            let before = work / job.pace;
             work += i.elements as u64;
             let event = Event::Iteration {
                 number: job.number,
@@ -255,7 +258,7 @@ impl Shop<'_> {
             };
             let news = Message::Worked(job.number, work, event);
             let heard = sender.send(news).is_ok();
-            turn.worked(i.elements as u64);
+            turn.worked(work / job.pace - before);
             let late = self.begin.elapsed().as_secs_f64() > self.time_limit;
             heard && !late && !self.stop.load(Ordering::SeqCst)
         };

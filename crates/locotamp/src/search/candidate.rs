@@ -1,0 +1,121 @@
+//! A sequence whose keyframes exist, and what is next for it.
+
+use super::results::name;
+use super::workers::Evaluated;
+use crate::api::Reached;
+use crate::journal::{PointEntry, Tried};
+use ocp::{Point, Relative};
+use std::sync::Arc;
+use symbolic::Sequence;
+
+/// Work on the finer grid that counts as one unit: what may become a plan is not kept waiting by what else is tried.
+const HOLD_PACE: u64 = 3;
+/// What a motion costs more on the grid on which it holds than on the coarse one, in the cost of that, from which on it has become
+/// another one: half as much or less for most (benches/runs/2026-11-26-more-steps.md).
+const CHANGED: f64 = 0.5;
+
+/// A sequence whose keyframes exist.
+pub(super) struct Candidate {
+    pub number: usize,
+    pub sequence: Sequence,
+    /// The cost that its keyframes promise.
+    pub promise: f64,
+    /// Its motion on the coarse grid, once there is one that may hold on a finer grid.
+    pub coarse: Option<Coarse>,
+    /// What is known of it from the run that is continued.
+    pub known: Option<Tried>,
+}
+
+/// What the motion of a sequence on the coarse grid costs, and what it took.
+pub(super) struct Coarse {
+    pub cost: f64,
+    /// The part of it that is the scene's objective.
+    pub objective: f64,
+    pub iterations: usize,
+    pub work: u64,
+    pub seconds: f64,
+    pub relative: Option<Arc<Relative>>,
+}
+
+impl Candidate {
+    /// Work on it that counts as one unit of the search's clock.
+    pub fn pace(&self) -> u64 {
+        self.coarse.as_ref().map_or(1, |_| HOLD_PACE)
+    }
+}
+
+impl Coarse {
+    /// True if a motion on the finer grid at this cost, with this part for the scene's objective, has become another one, mostly a
+    /// contorted one.
+    pub fn is_left(&self, cost: f64, objective: f64) -> bool {
+        let (before, now) = (self.cost - self.objective, cost - objective);
+        now - before > CHANGED * before
+    }
+}
+
+/// What is next for it.
+pub(super) enum Work {
+    /// The motion, from keyframes.
+    Move(Vec<Vec<f64>>),
+    /// The same motion on the grid on which it must hold, from that on the coarse grid with so many intervals per phase.
+    Hold(Point, Vec<usize>),
+    /// Nothing but to set up again a motion that is known, and whether it is feasible.
+    Restore {
+        point: PointEntry,
+        feasible: bool,
+        /// Work that it took.
+        work: u64,
+    },
+    /// Nothing: it is known what comes of it.
+    Remembered(Box<Evaluated>),
+}
+
+impl Work {
+    /// After what the journal holds: a motion, or that there is none; `coarse` of the work was for that on the coarse grid.
+    pub fn known(tried: &Tried, coarse: u64) -> Self {
+        let feasible = tried.reached == name(Reached::Feasible);
+        let work = tried.work.saturating_sub(coarse);
+        let Some(point) = tried.point.clone() else {
+            let known = Evaluated::remembered(tried);
+            return Self::Remembered(Box::new(Evaluated { work, ..known }));
+        };
+        Self::Restore {
+            point,
+            feasible,
+            work,
+        }
+    }
+
+    /// Work that the run that is continued has done, and that need not be done again.
+    pub fn spent(&self) -> u64 {
+        match self {
+            Self::Move(_) | Self::Hold(..) => 0,
+            Self::Restore { work, .. } => *work,
+            Self::Remembered(done) => done.work,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Coarse;
+
+    #[test]
+    fn a_motion_that_costs_half_as_much_again_on_the_finer_grid_has_become_another_one() {
+        let coarse = |cost, objective| Coarse {
+            cost,
+            objective,
+            iterations: 0,
+            work: 0,
+            seconds: 0.0,
+            relative: None,
+        };
+        for objective in [0.0, -80.0] {
+            for (before, now, left) in [(50.2, 96.6, true), (39.3, 46.8, false)] {
+                let coarse = coarse(before + objective, objective);
+                let is_left = coarse.is_left(now + objective, objective);
+                assert_eq!(is_left, left, "{before}, {now}, {objective}");
+            }
+        }
+    }
+}
