@@ -306,7 +306,7 @@ pub fn base_height(scene: &Scene) -> f64 {
 }
 
 /// Height of what the feet stand on at the start [m].
-fn ground(scene: &Scene) -> f64 {
+pub(crate) fn ground(scene: &Scene) -> f64 {
     let on = |c: &symbolic::Contact| {
         let [foot, surface] = [c.a, c.b].map(|i| &scene.interfaces[i.0]);
         let height = match surface.owner {
