@@ -37,9 +37,9 @@ pub(super) struct May {
 /// The most promising one: whose motion on the coarse grid is likely to cost least, since postures at the edge of reach cost a lot,
 /// and make the optimiser's work hard; of equal ones the first.
 ///
-/// If that has its motion, it is tried on the finer grid; but not before there are some to choose from, unless it costs what was promised or
-/// no other waits. If many
-/// have theirs, the cheapest of them is tried. Others are begun only if so many sequences have been drawn that there is a choice.
+/// If that has its motion, it is tried on the finer grid; but not before there are some to choose from, unless it costs what was promised
+/// or no other waits. If many have theirs, the cheapest of them is tried. Others are begun only if so many sequences have been drawn that
+/// there is a choice.
 pub(super) fn next(waiting: &[Waiting], may: May) -> Option<usize> {
     let cost = |n: usize| waiting[n].cost;
     let least = |has_motion: bool| {
