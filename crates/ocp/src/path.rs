@@ -129,10 +129,10 @@ fn solve(program: Program, mut point: Point) -> (Point, Program, Report) {
     let options = Options {
         max_iterations: 60,
         stall_iterations: 25, // cheap, and a worse path is expensive
-        feasibility_tolerance: 5e-4,
-        dual_tolerance: 1.0,
+        feasibility_tolerance: 1e-4,
+        dual_tolerance: 1e-1,
         complementarity_tolerance: 1e-1,
-        min_barrier: 1e-4,
+        min_barrier: 1e-5,
         convexification: Convexification::Shift,
         ..Options::default()
     };
