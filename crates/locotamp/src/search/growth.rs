@@ -14,7 +14,8 @@ use symbolic::ContactState;
 
 /// What a motion costs, in that of what its keyframes promised, from which on it is strained.
 const STRAINED: f64 = 2.0;
-/// The same up to which it is as promised: it is worth trying on the finer grid whatever others cost.
+/// The same up to which it is as promised: it is worth trying on the finer grid before there is another to choose from
+/// (benches/runs/2026-11-28-due-results.md).
 const AS_PROMISED: f64 = 1.4;
 /// Promises below this count as this much: a few steps more or less of so short a motion say nothing.
 const LEAST_PROMISE: f64 = 10.0;

@@ -48,6 +48,7 @@ const FLIGHT: f64 = 18.0;
 /// Height by which a motion may end above its keyframes [m]: those are near the home posture at the end, motions stretch.
 const HEIGHT_ROOM: f64 = 0.12;
 
+/// What the work of keyframes grows with.
 fn squared_phases(sequence: &Sequence) -> u64 {
     sequence.states.len().pow(2) as u64
 }
