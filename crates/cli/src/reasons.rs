@@ -57,13 +57,18 @@ pub(crate) fn most_frequent(attempts: &[Attempt], impossible: &[Impossible]) -> 
     reasons
 }
 
-/// What is likely wrong where no sequence came as far as a motion and all beginnings fail at the alignment of contacts.
+/// What is likely wrong where no sequence came as far as a motion and all beginnings fail at the alignment of contacts, unless other
+/// refusals are as many.
 pub(crate) fn remedy(attempts: &[Attempt], impossible: &[Impossible]) -> Option<String> {
     let moved = |a: &Attempt| matches!(a.reached, Reached::Optimised | Reached::Feasible);
-    let beginnings = impossible.iter().filter(|x| x.what == Refusal::Beginning);
-    let aligned = beginnings.map(|x| x.contacts.first()?.strip_prefix(ALIGNMENT));
+    let (beginnings, others): (Vec<_>, Vec<_>) =
+        (impossible.iter()).partition(|x| x.what == Refusal::Beginning);
+    let aligned = beginnings
+        .iter()
+        .map(|x| x.contacts.first()?.strip_prefix(ALIGNMENT));
     let contacts: Vec<&str> = aligned.collect::<Option<_>>()?;
-    if contacts.is_empty() || attempts.iter().any(moved) {
+    let refused = |all: &[&Impossible]| all.iter().map(|x| x.refused).sum::<usize>();
+    if attempts.iter().any(moved) || refused(&beginnings) <= refused(&others) {
         return None;
     }
     let interface = |c: &&str| c.split(" on ").next().unwrap_or(c).to_owned();
@@ -130,6 +135,18 @@ mod tests {
         let far = refused_beginning("contact distance of left_hand on box_handle", 1);
         assert_eq!(remedy(&[], &[far, refused[0].clone()]), None);
         assert_eq!(remedy(&[], &[]), None);
+        let thumb = Impossible {
+            what: Refusal::Contacts,
+            ..refused_beginning("right_hand on box_left", 600)
+        };
+        assert!(
+            remedy(
+                &[],
+                &[refused[0].clone(), refused[1].clone(), thumb.clone()]
+            )
+            .is_some()
+        );
+        assert_eq!(remedy(&[], &[refused[0].clone(), thumb]), None);
     }
 
     #[test]

@@ -12,6 +12,7 @@ mod draft;
 mod error;
 mod file;
 mod fit;
+mod for_readers;
 mod goal;
 mod interfaces;
 mod load;
@@ -39,7 +40,6 @@ mod touch;
 mod types;
 mod urdf_text;
 mod values;
-mod velocity_limits;
 
 pub use error::{Fault, SceneError};
 pub use perturb::Perturbation;

@@ -35,15 +35,7 @@ impl Scene {
                 ));
                 continue;
             }
-            let out = 1e3 * self.beyond_own_plane(interface);
-            if out > f64::from(SUNK.0) {
-                notes.push(format!(
-                    "shapes of its own link stick out {out:.0} mm beyond the plane of interface {:?}: they will be that deep in what it \
-                     touches, and in the way when it lets go; move its pose outwards by as much, along its normal, or give the link shapes \
-                     that end there",
-                    interface.name
-                ));
-            }
+            notes.extend(self.beyond_plane(interface));
         }
         if let Some(beyond) = self.beyond_soles().filter(|beyond| *beyond > LEAST) {
             notes.push(format!(
@@ -142,29 +134,52 @@ impl Scene {
         (0..SUNK.1).find(|&at| !is_inside(at)).unwrap_or(SUNK.1)
     }
 
-    /// How far shapes of its own link, near a patch of the robot, reach beyond the patch's plane [m]; 0 for anything else.
-    fn beyond_own_plane(&self, interface: &Interface) -> f64 {
+    /// What sticks out beyond the plane of a patch of the robot, near it: shapes of its own link, or of what that carries at the start.
+    fn beyond_plane(&self, interface: &Interface) -> Option<String> {
         let (Owner::Robot { frame }, Some(_)) = (interface.owner, interface.half_size) else {
-            return 0.0;
+            return None;
         };
-        let frames = &self.robot.model.frames;
-        let joint_from_interface = frames[frame].joint_from_frame * interface.body_from_interface;
-        let mut most = 0.0_f64;
-        for (of_link, shapes) in frames.iter().zip(&self.robot.shapes) {
-            if of_link.joint != frames[frame].joint {
+        let model = &self.robot.model;
+        let own = model.frames[frame].joint;
+        let mut kinematics = Kinematics::new(model);
+        kinematics.update(model, &self.start);
+        let interface_from_world =
+            (kinematics.frame_pose(model, frame) * interface.body_from_interface).inverse();
+        let mut most = (f64::from(SUNK.0), frame);
+        for (link, shapes) in self.robot.shapes.iter().enumerate() {
+            let joint = model.frames[link].joint;
+            let parent = |j: &usize| model.joints[*j].parent;
+            if !std::iter::successors(joint, parent).any(|j| Some(j) == own) {
                 continue;
             }
+            let interface_from_link = interface_from_world * kinematics.frame_pose(model, link);
             for placed in shapes {
-                let link = joint_from_interface.inverse() * of_link.joint_from_frame;
                 for (point, radius) in tips(&placed.shape) {
-                    let p = (link * placed.body_from_shape).act(point);
-                    if p.xy().norm() <= AROUND {
-                        most = most.max(p.z + radius);
+                    let p = (interface_from_link * placed.body_from_shape).act(point);
+                    if p.xy().norm() <= AROUND && 1e3 * (p.z + radius) > most.0 {
+                        most = (1e3 * (p.z + radius), link);
                     }
                 }
             }
         }
-        most
+        let (out, link) = most;
+        let (name, link) = (&interface.name, &model.frames[link]);
+        if out <= f64::from(SUNK.0) {
+            None
+        } else if link.joint == own {
+            Some(format!(
+                "shapes of its own link stick out {out:.0} mm beyond the plane of interface {name:?}: they will be that deep in what it \
+                 touches, and in the way when it lets go; move its pose outwards by as much, along its normal, or give the link shapes \
+                 that end there"
+            ))
+        } else {
+            Some(format!(
+                "as its joints are at the start, shapes of {} stick out {out:.0} mm beyond the plane of interface {name:?}, and are in \
+                 the way of what it is to touch: bend them back in [home], or move the pose of the interface outwards by as much, \
+                 along its normal",
+                link.name
+            ))
+        }
     }
 
     /// Horizontal distance of the robot's centre of mass from the soles that bear it at the start, negative inside [m]; `None`
@@ -280,6 +295,24 @@ mod tests {
         assert_eq!(scene.notes(), Vec::<String>::new());
         scene.robot.shapes[frame].push(near);
         assert!(scene.notes()[0].contains(&told), "{:?}", scene.notes());
+    }
+
+    #[test]
+    fn what_a_link_carries_on_joints_of_its_own_is_told_if_it_sticks_out_at_the_start() {
+        let mut scene = Scene::builtin("pick-place").unwrap();
+        let elbow = (scene.robot.model.frames.iter())
+            .position(|f| f.name == "left_elbow_link")
+            .unwrap();
+        // A patch at the end of the forearm, which looks along it, so that the wrist and the hand are in its way.
+        let patch = &mut scene.interfaces[2];
+        assert_eq!(patch.name, "left_hand");
+        patch.owner = Owner::Robot { frame: elbow };
+        patch.body_from_interface = Pose::from_xyzquat(&[0.1, 0.0, 0.0, 0.0, 0.5, 0.0, 0.5]);
+        let notes = scene.notes();
+        assert!(
+            notes[0].contains("in [home]") && notes[0].contains("left_"),
+            "{notes:?}"
+        );
     }
 
     #[test]

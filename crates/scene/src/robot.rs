@@ -2,6 +2,7 @@
 
 use crate::builtin;
 use crate::file::RobotInterfaceEntry;
+use crate::for_readers::for_readers;
 use crate::interfaces::{Friction, robot_interface};
 use crate::mesh_path::MeshFolders;
 use crate::mesh_shapes::{Axes, with_fitted_shapes};
@@ -10,7 +11,6 @@ use crate::parse::parse;
 use crate::source::{At, Place, Source};
 use crate::tiny_masses::with_tiny_masses;
 use crate::torque_speed::{TorqueSpeedEntry, set_torque_speed};
-use crate::velocity_limits::with_velocity_limits;
 use crate::{Fault, Interface, Owner, PlacedShape, Robot, SceneError, Shape};
 use multibody::{Joint, JointKind, Model, Root};
 use nalgebra::Vector3;
@@ -132,7 +132,7 @@ pub(crate) fn load(
     Ok(LoadedRobot {
         robot: Robot {
             name: robot_name,
-            urdf: with_velocity_limits(&fitted.urdf),
+            urdf: for_readers(&fitted.urdf),
             model,
             home,
             shapes,

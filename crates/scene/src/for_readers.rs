@@ -1,7 +1,8 @@
-//! Velocity limits that a URDF does not give, written into its text.
+//! The text of a URDF as readers of a plan need it.
 //!
-//! A limit that is missing or zero is none. Readers of a plan take its text at its word, or do not take it at all, so there it says one
-//! that no joint comes to.
+//! A velocity limit that is missing or zero is none. Readers take the text at its word, or do not take it at all, so there it says one
+//! that no joint comes to. Settings for MuJoCo (`<mujoco>`) are left out: they name folders of the file's own place, and who replays a
+//! plan has their own.
 
 use crate::urdf_text::{Edits, child, children};
 use roxmltree::Document;
@@ -9,11 +10,15 @@ use roxmltree::Document;
 /// What stands for no limit [rad/s or m/s].
 const NO_LIMIT: &str = "1000";
 
-/// The text of a URDF with a velocity in every `<limit>`. A text that cannot be read is left as it is.
-pub(crate) fn with_velocity_limits(urdf: &str) -> String {
+/// The text of a URDF with a velocity in every `<limit>` and without `<mujoco>`. A text that cannot be read is left as it is.
+pub(crate) fn for_readers(urdf: &str) -> String {
     let mut edits = Edits::default();
     if let Ok(document) = Document::parse(urdf) {
-        let joints = children(document.root_element(), "joint");
+        let robot = document.root_element();
+        for settings in children(robot, "mujoco") {
+            edits.replace(settings.range(), String::new());
+        }
+        let joints = children(robot, "joint");
         for limit in joints.filter_map(|joint| child(joint, "limit")) {
             let attribute = limit.attribute_node("velocity");
             match attribute {
@@ -54,8 +59,14 @@ mod tests {
             ("<limit velocity='3'/>", "<limit velocity='3'/>"),
             ("<axis xyz='0 0 1'/>", "<axis xyz='0 0 1'/>"),
         ] {
-            assert_eq!(with_velocity_limits(&joint(before)), joint(after));
+            assert_eq!(for_readers(&joint(before)), joint(after));
         }
-        assert_eq!(with_velocity_limits("<robot"), "<robot");
+        assert_eq!(for_readers("<robot"), "<robot");
+    }
+    #[test]
+    fn settings_for_mujoco_are_left_out() {
+        let robot = |settings: &str| format!("<robot>{settings}<link name='a'/></robot>");
+        let settings = "<mujoco><compiler meshdir='meshes'/></mujoco>";
+        assert_eq!(for_readers(&robot(settings)), robot(""));
     }
 }
