@@ -1,22 +1,26 @@
 //! The text of a URDF as readers of a plan need it.
 //!
 //! A velocity limit that is missing or zero is none. Readers take the text at its word, or do not take it at all, so there it says one
-//! that no joint comes to. Settings for MuJoCo (`<mujoco>`) are left out: they name folders of the file's own place, and who replays a
-//! plan has their own.
+//! that no joint comes to. Locked joints are fixed ones there. Settings for MuJoCo (`<mujoco>`) are left out: they name folders of the file's own place, and who replays a plan has their own.
 
+use crate::locked_joints::fix_if_locked;
 use crate::urdf_text::{Edits, child, children};
 use roxmltree::Document;
 
 /// What stands for no limit [rad/s or m/s].
 const NO_LIMIT: &str = "1000";
 
-/// The text of a URDF with a velocity in every `<limit>` and without `<mujoco>`. A text that cannot be read is left as it is.
+/// The text of a URDF with a velocity in every `<limit>`, without locked joints and `<mujoco>`. A text that cannot be read is left as it
+/// is.
 pub(crate) fn for_readers(urdf: &str) -> String {
     let mut edits = Edits::default();
     if let Ok(document) = Document::parse(urdf) {
         let robot = document.root_element();
         for settings in children(robot, "mujoco") {
             edits.replace(settings.range(), String::new());
+        }
+        for joint in children(robot, "joint") {
+            fix_if_locked(joint, &mut edits);
         }
         let joints = children(robot, "joint");
         for limit in joints.filter_map(|joint| child(joint, "limit")) {

@@ -16,6 +16,7 @@ mod for_readers;
 mod goal;
 mod interfaces;
 mod load;
+mod locked_joints;
 mod mesh_path;
 mod mesh_shapes;
 mod nearest;
