@@ -8,8 +8,8 @@ use ocp::{Point, Relative};
 use std::sync::Arc;
 use symbolic::Sequence;
 
-/// Work on the finer grid that counts as one unit: what may become a plan is not kept waiting by what else is tried.
-const HOLD_PACE: u64 = 3;
+/// Work on the finer grid that counts as one unit: what may become a plan is not kept waiting by what else is tried or drawn.
+const HOLD_PACE: u64 = 16;
 /// What a motion costs more on the grid on which it holds than on the coarse one, in the cost of that, from which on it has become
 /// another one: half as much or less for most (benches/runs/2026-11-26-more-steps.md).
 const CHANGED: f64 = 0.5;

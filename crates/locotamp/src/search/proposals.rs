@@ -34,6 +34,8 @@ const MOST_DRAWING: u64 = 12_000;
 /// about the work that is done in the same time on one motion.
 const KEYFRAMES: u64 = 1;
 const MORE_STEPS: u64 = 6;
+/// The same for the path between keyframes, from which a motion on the coarse grid begins.
+const PATH: u64 = 9;
 /// What a phase adds to the cost that keyframes promise: its time, at about half a second.
 const PHASE: f64 = 0.5;
 /// What the cost of keyframes counts for: a phase costs as much as sixteen of its nodes.
@@ -115,7 +117,12 @@ impl Run<'_> {
         let (number, labels) = (candidate.number, candidate.sequence.labels.clone());
         let cost = candidate.coarse.as_ref().map(|coarse| coarse.cost);
         let pace = candidate.pace();
-        self.under_way.begin(candidate, self.clock, work.spent());
+        let path = match candidate.coarse {
+            None => PATH * squared_phases(&candidate.sequence),
+            Some(_) => 0,
+        };
+        let clock = self.clock + path;
+        self.under_way.begin(candidate, clock, work.spent());
         let (phases, start) = match work {
             Work::Remembered(done) => {
                 self.under_way.done(number, *done);
@@ -140,7 +147,7 @@ impl Run<'_> {
         };
         self.workers.submit(Job {
             number,
-            clock: self.clock,
+            clock,
             pace,
             labels,
             phases,
@@ -167,7 +174,7 @@ impl Run<'_> {
         let before = self.checks.work;
         self.checks.pause_at = before + DRAWING;
         let next = self.policy.next(&mut self.checks);
-        self.spend(self.checks.work - before);
+        self.clock += self.checks.work - before;
         let Some(sequence) = next else {
             return self.checks.pause() && !self.checks.stop();
         };
@@ -182,7 +189,7 @@ impl Run<'_> {
             self.leave_out_same(number, sequence, other);
             return true;
         }
-        self.spend(KEYFRAMES * squared_phases(&sequence));
+        self.clock += KEYFRAMES * squared_phases(&sequence);
         let drawn = sequence;
         let sequence = self.with_remembered_steps(&drawn);
         let states = self.names(&sequence);
@@ -210,7 +217,7 @@ impl Run<'_> {
             (longer.sequence, longer.cost, Work::Move(longer.nodes))
         };
         if sequence.states.len() > drawn.states.len() {
-            self.spend(MORE_STEPS * squared_phases(&sequence));
+            self.clock += MORE_STEPS * squared_phases(&sequence);
         }
         self.longer.note(number, &drawn, &sequence);
         let candidate = Candidate {
@@ -222,11 +229,6 @@ impl Run<'_> {
         };
         self.waiting.push((candidate, work));
         true
-    }
-
-    /// Counts work of drawing; less, while all that is under way advances faster.
-    fn spend(&mut self, work: u64) {
-        self.clock += work / self.under_way.least_pace();
     }
 
     /// The cost that keyframes promise, and these; `None` if the sequence is not worth an optimisation.

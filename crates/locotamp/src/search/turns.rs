@@ -3,6 +3,7 @@
 //! The clock of a motion is that of the search at its submission, plus the work done on it: elements of its problem, summed over
 //! iterations; on the finer grid, where a motion may become a plan, several units of work count as one. It is the same on every machine,
 //! and results are taken in its order ([`super::Run::take_next`]); the least advanced motion is the one that everything else waits for.
+//! A motion on the finer grid takes all places, and threads, for itself: the others go on when it has ended, or is more advanced.
 //! Drawing sequences takes a place too, and has its clock: what it does advances the search's, and before it goes on all results are
 //! taken that come before.
 
@@ -16,17 +17,33 @@ pub(super) struct Turns {
 }
 
 struct State {
-    places: usize,
-    free: usize,
-    /// By number of the sequence: its clock, and whether it has a place.
-    jobs: BTreeMap<usize, (u64, bool)>,
+    places: isize,
+    /// Negative while some that have one are to leave it to one that takes all.
+    free: isize,
+    /// By number of the sequence.
+    jobs: BTreeMap<usize, Job>,
+}
+
+struct Job {
+    clock: u64,
+    /// Places that it takes, as soon as one is free.
+    takes: isize,
+    runs: bool,
 }
 
 impl State {
     /// The one without a place that is least advanced.
     fn next(&self) -> Option<(u64, usize)> {
-        let waiting = self.jobs.iter().filter(|(_, (_, runs))| !runs);
-        waiting.map(|(&number, &(clock, _))| (clock, number)).min()
+        let waiting = self.jobs.iter().filter(|(_, job)| !job.runs);
+        waiting.map(|(&number, job)| (job.clock, number)).min()
+    }
+
+    /// A job takes its places, or gives them back.
+    fn run(&mut self, number: usize, runs: bool) {
+        if let Some(job) = self.jobs.get_mut(&number).filter(|job| job.runs != runs) {
+            self.free += if runs { -job.takes } else { job.takes };
+            job.runs = runs;
+        }
     }
 }
 
@@ -39,6 +56,7 @@ pub(super) struct Turn<'a> {
 impl Turns {
     /// For `places` motions at the same time.
     pub fn new(places: usize) -> Self {
+        let places = places.try_into().unwrap_or(isize::MAX);
         let state = State {
             places,
             free: places,
@@ -50,10 +68,30 @@ impl Turns {
         }
     }
 
+    /// How many motions are optimised at the same time.
+    pub fn places(&self) -> usize {
+        self.lock().places.unsigned_abs()
+    }
+
     /// Waits for a place for sequence `number`, whose clock stands at `clock`.
     pub fn enter(&self, number: usize, clock: u64) -> Turn<'_> {
+        self.enter_with(number, clock, 1)
+    }
+
+    /// The same for what takes all places, as soon as one is free: the others leave theirs when they have worked.
+    pub fn enter_for_all(&self, number: usize, clock: u64) -> Turn<'_> {
+        let places = self.lock().places;
+        self.enter_with(number, clock, places)
+    }
+
+    fn enter_with(&self, number: usize, clock: u64, takes: isize) -> Turn<'_> {
         let mut state = self.lock();
-        state.jobs.insert(number, (clock, false));
+        let job = Job {
+            clock,
+            takes,
+            runs: false,
+        };
+        state.jobs.insert(number, job);
         self.wait(state, number);
         Turn {
             turns: self,
@@ -63,22 +101,18 @@ impl Turns {
 
     /// Waits for all places: before all motions, which wait in their turn until the places are given back.
     pub fn all(&self) -> Vec<Turn<'_>> {
-        let places = self.lock().places;
         let turn = |place| self.enter(usize::MAX - place, 0);
-        (0..places).map(turn).collect()
+        (0..self.places()).map(turn).collect()
     }
 
     fn wait(&self, mut state: MutexGuard<'_, State>, number: usize) {
-        while state.free == 0 || state.next().is_none_or(|(_, next)| next != number) {
+        while state.free <= 0 || state.next().is_none_or(|(_, next)| next != number) {
             state = self
                 .changed
                 .wait(state)
                 .unwrap_or_else(PoisonError::into_inner);
         }
-        state.free -= 1;
-        if let Some((_, runs)) = state.jobs.get_mut(&number) {
-            *runs = true;
-        }
+        state.run(number, true);
         drop(state);
         self.changed.notify_all(); // there may be another free place
     }
@@ -89,19 +123,18 @@ impl Turns {
 }
 
 impl Turn<'_> {
-    /// Counts work, and leaves the place to a motion that is less advanced, if one waits, until it is this one's turn again.
+    /// Counts work, and leaves the place to a motion that is less advanced, if one waits or has taken all, until it is this one's turn
+    /// again.
     pub fn worked(&self, work: u64) {
         let mut state = self.turns.lock();
-        let mut now = 0;
-        if let Some((clock, _)) = state.jobs.get_mut(&self.number) {
-            *clock += work;
-            now = *clock;
+        let (mut now, mut takes) = (0, 0);
+        if let Some(job) = state.jobs.get_mut(&self.number) {
+            job.clock += work;
+            (now, takes) = (job.clock, job.takes);
         }
-        if state.next().is_some_and(|(clock, _)| clock < now) {
-            state.free += 1;
-            if let Some((_, runs)) = state.jobs.get_mut(&self.number) {
-                *runs = false;
-            }
+        let is_wanted = state.free < 0 && takes == 1;
+        if is_wanted || state.next().is_some_and(|(clock, _)| clock < now) {
+            state.run(self.number, false);
             self.turns.changed.notify_all();
             self.turns.wait(state, self.number);
         }
@@ -111,8 +144,8 @@ impl Turn<'_> {
 impl Drop for Turn<'_> {
     fn drop(&mut self) {
         let mut state = self.turns.lock();
+        state.run(self.number, false);
         state.jobs.remove(&self.number);
-        state.free += 1;
         drop(state);
         self.turns.changed.notify_all();
     }
@@ -171,6 +204,34 @@ mod tests {
                 thread::yield_now();
             }
             let all = turns.all();
+            let before = steps.load(Ordering::SeqCst);
+            thread::sleep(Duration::from_millis(5));
+            assert_eq!(steps.load(Ordering::SeqCst), before);
+            ended.store(true, Ordering::SeqCst);
+            drop(all);
+        });
+        assert_eq!(turns.lock().free, 2);
+    }
+
+    #[test]
+    fn what_takes_all_places_begins_in_one_and_the_others_leave_theirs() {
+        let turns = Turns::new(2);
+        let (steps, ended) = (AtomicUsize::new(0), AtomicBool::new(false));
+        thread::scope(|scope| {
+            scope.spawn(|| {
+                let turn = turns.enter(1, 0);
+                while !ended.load(Ordering::SeqCst) {
+                    turn.worked(1);
+                    steps.fetch_add(1, Ordering::SeqCst);
+                }
+            });
+            while steps.load(Ordering::SeqCst) < 5 {
+                thread::yield_now();
+            }
+            let all = turns.enter_for_all(2, 3);
+            while turns.lock().free < 0 {
+                thread::yield_now();
+            }
             let before = steps.load(Ordering::SeqCst);
             thread::sleep(Duration::from_millis(5));
             assert_eq!(steps.load(Ordering::SeqCst), before);

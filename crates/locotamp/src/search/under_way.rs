@@ -33,12 +33,6 @@ impl UnderWay {
         self.0.is_empty()
     }
 
-    /// The pace of the slowest; that of motions on the coarse grid if there is none.
-    pub fn least_pace(&self) -> u64 {
-        let paces = self.0.values().map(|entry| entry.candidate.pace());
-        paces.min().unwrap_or(1)
-    }
-
     /// A sequence is submitted at this clock of the search, with work that need not be done again.
     pub fn begin(&mut self, candidate: Candidate, clock: u64, work: u64) {
         let entry = Entry {
@@ -186,13 +180,10 @@ mod tests {
         };
         let pace = held.pace();
         let mut under_way = UnderWay::default();
-        assert_eq!(under_way.least_pace(), 1);
         under_way.begin(held, 10, 0);
-        assert_eq!(under_way.least_pace(), pace);
         under_way.worked(1, 2 * pace);
         assert!(under_way.comes_before(13) && !under_way.comes_before(12));
         under_way.begin(candidate(2), 0, 0);
-        assert_eq!(under_way.least_pace(), 1);
         under_way.done(2, result(13));
         under_way.done(1, result(2 * pace));
         let order: Vec<_> = std::iter::from_fn(|| under_way.take_next())

@@ -245,7 +245,10 @@ fn dearest_phase(motion: &mut Motion) -> Option<usize> {
 
 impl Shop<'_> {
     fn evaluate(self, job: Job, turns: &Turns, sender: &Sender<Message>) -> Evaluated {
-        let turn = turns.enter(job.number, job.clock);
+        let turn = match job.start {
+            Start::Coarse(..) => turns.enter_for_all(job.number, job.clock),
+            _ => turns.enter(job.number, job.clock),
+        };
         let mut work = 0;
         let mut watch = |i: &Iteration| {
             let before = work / job.pace;
@@ -291,6 +294,10 @@ impl Shop<'_> {
                 let mut watch =
                     |i: &Iteration| watch(i) && (i.number < PATIENCE || i.objective <= most);
                 let grid = self.holds.unwrap_or_default();
+                let settings = &Settings {
+                    threads: turns.places(),
+                    ..settings.clone()
+                };
                 let mut motion = hold(planner, phases, settings, (&coarse, grid), &mut watch);
                 let done = self.report(&job.labels, &mut motion);
                 Evaluated {
