@@ -62,7 +62,7 @@ pub struct Weights {
     pub velocity: f64,
     /// Accelerations [s⁴/rad²].
     pub acceleration: f64,
-    /// Linear accelerations of the robot's base [s⁴/m²], on grids with velocities of at most 30 ms: ground that gives spoils less
+    /// Linear accelerations of the robot's base [s⁴/m²], on grids with velocities of at most 65 ms: ground that gives spoils less
     /// of what a robot does slowly (benches/runs/2026-11-24-landings.md).
     pub base_acceleration: f64,
     /// The same from 0.3 s before a foot lands until 0.2 s after.
@@ -73,15 +73,15 @@ pub struct Weights {
     /// from the edges, over which a robot tilts on any ground that gives (benches/runs/2026-11-23-calm-landings.md). Where
     /// velocities are unknowns.
     pub pressure: f64,
-    /// The same in the last 0.3 s before another foot lands, on grids of at most 30 ms.
+    /// The same in the last 0.3 s before another foot lands, on grids of at most 65 ms.
     pub landing_pressure: f64,
     /// Distance of the centre of mass from the middle of the feet that stand, in the last 0.4 s before another foot lands, on grids
-    /// of at most 30 ms [1/m²]: a robot that falls into a landing comes too fast for any controller.
+    /// of at most 65 ms [1/m²]: a robot that falls into a landing comes too fast for any controller.
     pub landing_balance: f64,
-    /// Tangential forces of feet, in units of the robot's weight, on grids of at most 30 ms: feet that push against each other slip
+    /// Tangential forces of feet, in units of the robot's weight, on grids of at most 65 ms: feet that push against each other slip
     /// where they bear little.
     pub shear: f64,
-    /// Loads of feet away from equal shares, in units of the robot's weight, on grids of at most 30 ms: a foot that bears little
+    /// Loads of feet away from equal shares, in units of the robot's weight, on grids of at most 65 ms: a foot that bears little
     /// rattles where a controller holds it fast.
     pub sharing: f64,
     /// Changes of contact wrenches from one interval to the next, in units of their scale; where velocities are unknowns.

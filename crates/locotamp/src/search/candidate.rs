@@ -8,8 +8,10 @@ use ocp::{Point, Relative};
 use std::sync::Arc;
 use symbolic::Sequence;
 
-/// Work on the finer grid that counts as one unit: what may become a plan is not kept waiting by what else is tried or drawn.
-const HOLD_PACE: u64 = 16;
+/// Work on the finer grid that counts as one unit: what may become a plan is not kept waiting by what else is tried. What costs about as
+/// much as was promised mostly becomes one: hardly anything else is done meanwhile (benches/runs/2026-11-28-all-threads.md).
+const HOLD_PACE: u64 = 3;
+const LIKELY_PACE: u64 = 16;
 /// What a motion costs more on the grid on which it holds than on the coarse one, in the cost of that, from which on it has become
 /// another one: half as much or less for most (benches/runs/2026-11-26-more-steps.md).
 const CHANGED: f64 = 0.5;
@@ -35,12 +37,23 @@ pub(super) struct Coarse {
     pub work: u64,
     pub seconds: f64,
     pub relative: Option<Arc<Relative>>,
+    /// True if it costs about as much as was promised ([`super::growth::Growth`]).
+    pub is_as_promised: bool,
 }
 
 impl Candidate {
     /// Work on it that counts as one unit of the search's clock.
     pub fn pace(&self) -> u64 {
-        self.coarse.as_ref().map_or(1, |_| HOLD_PACE)
+        match &self.coarse {
+            None => 1,
+            Some(_) if self.is_likely() => LIKELY_PACE,
+            Some(_) => HOLD_PACE,
+        }
+    }
+
+    /// True if its motion on the finer grid is likely to become a plan: it has all threads.
+    pub fn is_likely(&self) -> bool {
+        (self.coarse.as_ref()).is_some_and(|coarse| coarse.is_as_promised)
     }
 }
 
@@ -109,6 +122,7 @@ mod tests {
             work: 0,
             seconds: 0.0,
             relative: None,
+            is_as_promised: false,
         };
         for objective in [0.0, -80.0] {
             for (before, now, left) in [(50.2, 96.6, true), (39.3, 46.8, false)] {

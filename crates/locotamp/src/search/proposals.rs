@@ -80,7 +80,7 @@ impl Run<'_> {
                     has_motion: true,
                     cost: self.growth.expected_to_hold(states, coarse.cost),
                     is_strained: self.growth.is_strained(promise, coarse.cost),
-                    is_as_promised: self.growth.is_as_promised(promise, coarse.cost),
+                    is_as_promised: coarse.is_as_promised,
                 },
                 None => Waiting {
                     has_motion: false,
@@ -116,7 +116,7 @@ impl Run<'_> {
         let phases = self.phases(&candidate.sequence);
         let (number, labels) = (candidate.number, candidate.sequence.labels.clone());
         let cost = candidate.coarse.as_ref().map(|coarse| coarse.cost);
-        let pace = candidate.pace();
+        let (pace, is_likely) = (candidate.pace(), candidate.is_likely());
         let path = match candidate.coarse {
             None => PATH * squared_phases(&candidate.sequence),
             Some(_) => 0,
@@ -149,6 +149,7 @@ impl Run<'_> {
             number,
             clock,
             pace,
+            is_likely,
             labels,
             phases,
             start,
@@ -174,7 +175,7 @@ impl Run<'_> {
         let before = self.checks.work;
         self.checks.pause_at = before + DRAWING;
         let next = self.policy.next(&mut self.checks);
-        self.clock += self.checks.work - before;
+        self.spend(self.checks.work - before);
         let Some(sequence) = next else {
             return self.checks.pause() && !self.checks.stop();
         };
@@ -189,7 +190,7 @@ impl Run<'_> {
             self.leave_out_same(number, sequence, other);
             return true;
         }
-        self.clock += KEYFRAMES * squared_phases(&sequence);
+        self.spend(KEYFRAMES * squared_phases(&sequence));
         let drawn = sequence;
         let sequence = self.with_remembered_steps(&drawn);
         let states = self.names(&sequence);
@@ -217,7 +218,7 @@ impl Run<'_> {
             (longer.sequence, longer.cost, Work::Move(longer.nodes))
         };
         if sequence.states.len() > drawn.states.len() {
-            self.clock += MORE_STEPS * squared_phases(&sequence);
+            self.spend(MORE_STEPS * squared_phases(&sequence));
         }
         self.longer.note(number, &drawn, &sequence);
         let candidate = Candidate {
@@ -229,6 +230,11 @@ impl Run<'_> {
         };
         self.waiting.push((candidate, work));
         true
+    }
+
+    /// Counts work of drawing; less, while all that is under way advances faster but leaves a thread.
+    fn spend(&mut self, work: u64) {
+        self.clock += work / self.under_way.pace_of_drawing();
     }
 
     /// The cost that keyframes promise, and these; `None` if the sequence is not worth an optimisation.

@@ -103,6 +103,7 @@ impl Run<'_> {
             work: done.work,
             seconds: done.seconds,
             relative: done.relative,
+            is_as_promised: self.growth.is_as_promised(candidate.promise, done.cost),
         });
         let work = match &candidate.known {
             Some(tried) => Work::known(tried, done.work),

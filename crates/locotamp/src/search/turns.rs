@@ -3,7 +3,8 @@
 //! The clock of a motion is that of the search at its submission, plus the work done on it: elements of its problem, summed over
 //! iterations; on the finer grid, where a motion may become a plan, several units of work count as one. It is the same on every machine,
 //! and results are taken in its order ([`super::Run::take_next`]); the least advanced motion is the one that everything else waits for.
-//! A motion on the finer grid takes all places, and threads, for itself: the others go on when it has ended, or is more advanced.
+//! A motion that is likely to become a plan takes all places, and threads, for itself: the others go on when it has ended, or is more
+//! advanced.
 //! Drawing sequences takes a place too, and has its clock: what it does advances the search's, and before it goes on all results are
 //! taken that come before.
 

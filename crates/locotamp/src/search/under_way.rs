@@ -33,6 +33,15 @@ impl UnderWay {
         self.0.is_empty()
     }
 
+    /// Work of drawing that counts as one unit: as of the slowest motion, unless one of them has all threads.
+    pub fn pace_of_drawing(&self) -> u64 {
+        let all = || self.0.values().map(|entry| &entry.candidate);
+        if all().any(Candidate::is_likely) {
+            return 1;
+        }
+        all().map(Candidate::pace).min().unwrap_or(1)
+    }
+
     /// A sequence is submitted at this clock of the search, with work that need not be done again.
     pub fn begin(&mut self, candidate: Candidate, clock: u64, work: u64) {
         let entry = Entry {
@@ -167,7 +176,7 @@ mod tests {
 
     #[test]
     fn motions_on_the_finer_grid_advance_faster() {
-        let held = Candidate {
+        let held = |number, is_as_promised| Candidate {
             coarse: Some(Coarse {
                 cost: 1.0,
                 objective: 0.0,
@@ -175,21 +184,28 @@ mod tests {
                 work: 1,
                 seconds: 0.0,
                 relative: None,
+                is_as_promised,
             }),
-            ..candidate(1)
+            ..candidate(number)
         };
-        let pace = held.pace();
+        assert!(held(1, true).pace() > held(1, false).pace());
+        let pace = held(1, false).pace();
         let mut under_way = UnderWay::default();
-        under_way.begin(held, 10, 0);
+        assert_eq!(under_way.pace_of_drawing(), 1);
+        under_way.begin(held(1, false), 10, 0);
+        assert_eq!(under_way.pace_of_drawing(), pace);
         under_way.worked(1, 2 * pace);
         assert!(under_way.comes_before(13) && !under_way.comes_before(12));
         under_way.begin(candidate(2), 0, 0);
+        assert_eq!(under_way.pace_of_drawing(), 1);
         under_way.done(2, result(13));
         under_way.done(1, result(2 * pace));
         let order: Vec<_> = std::iter::from_fn(|| under_way.take_next())
             .map(|(clock, taken, _)| (clock, taken.number))
             .collect();
         assert_eq!(order, [(12, 1), (13, 2)]);
+        under_way.begin(held(3, true), 20, 0);
+        assert_eq!(under_way.pace_of_drawing(), 1, "it has all threads");
     }
 
     #[test]

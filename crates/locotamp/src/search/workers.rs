@@ -22,6 +22,8 @@ pub(super) struct Job {
     pub clock: u64,
     /// Work that is one unit of it.
     pub pace: u64,
+    /// True if a motion on the finer grid is likely to become a plan: it has all threads.
+    pub is_likely: bool,
     pub labels: Vec<String>,
     pub phases: Vec<Phase>,
     pub start: Start,
@@ -245,9 +247,10 @@ fn dearest_phase(motion: &mut Motion) -> Option<usize> {
 
 impl Shop<'_> {
     fn evaluate(self, job: Job, turns: &Turns, sender: &Sender<Message>) -> Evaluated {
-        let turn = match job.start {
-            Start::Coarse(..) => turns.enter_for_all(job.number, job.clock),
-            _ => turns.enter(job.number, job.clock),
+        let turn = if job.is_likely {
+            turns.enter_for_all(job.number, job.clock)
+        } else {
+            turns.enter(job.number, job.clock)
         };
         let mut work = 0;
         let mut watch = |i: &Iteration| {
@@ -295,7 +298,7 @@ impl Shop<'_> {
                     |i: &Iteration| watch(i) && (i.number < PATIENCE || i.objective <= most);
                 let grid = self.holds.unwrap_or_default();
                 let settings = &Settings {
-                    threads: turns.places(),
+                    threads: if job.is_likely { turns.places() } else { 1 },
                     ..settings.clone()
                 };
                 let mut motion = hold(planner, phases, settings, (&coarse, grid), &mut watch);

@@ -131,8 +131,9 @@ const PARTS: f64 = 16.0;
 const MOST_PARTS: f64 = 3.0;
 /// Intervals of a phase whose costs have their plain weight.
 const REFERENCE_STEPS: f64 = 16.0;
-/// Longest steps of a grid on which what happens around a landing is shaped [s].
-pub(crate) const FINE_STEP: f64 = 0.03;
+/// Longest steps of a grid on which what happens around a landing is shaped [s]: the finest grid and the one before it, since the shape
+/// doubles the cost of a motion and takes many iterations to find (benches/runs/2026-11-28-all-threads.md).
+pub(crate) const FINE_STEP: f64 = 0.065;
 
 /// With the default preset the costs of a phase do not depend on its number of intervals; the paper sums over nodes.
 fn shares(settings: &Settings, grid: Grid, steps: &[usize]) -> Vec<f64> {

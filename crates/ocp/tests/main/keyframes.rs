@@ -265,7 +265,7 @@ fn on_fine_grids_the_weight_is_over_the_standing_foot_before_another_one_lands()
     };
     // Of the last 0.4 s in steps of 20 ms.
     assert_eq!(balanced(0.02), (30..50).collect::<Vec<_>>());
-    assert!(balanced(0.06).is_empty(), "coarse grids are left alone");
+    assert!(balanced(0.12).is_empty(), "coarse grids are left alone");
 }
 
 #[test]
