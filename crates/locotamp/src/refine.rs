@@ -6,9 +6,10 @@ use crate::api::{Event, Request};
 use ocp::{Motion, Phase, Planner, Refinement, Settings};
 use solver::Iteration;
 
-/// Longest step of the grid between the coarse and the finer one, in steps of the finer one: objects and hands move along
-/// different curves between nodes, so a grid seven times as fine begins with collisions.
-const MIDDLE: f64 = 3.0;
+/// Longest steps of the grids between the coarse and the finer one, in steps of the finer one: objects and hands move along different
+/// curves between nodes, so a grid seven times as fine begins with collisions; the first of 80 ms because landings are shaped on those of
+/// at most 65 ms, which doubles the cost of a motion.
+const BETWEEN: [f64; 2] = [4.0, 3.0];
 
 /// Longest step of the grid on which a motion must hold to be a plan [s]: with a few long steps per phase and explicit Euler a robot may
 /// seem to do what no robot can. A grid twice as fine takes 1.7 times the work (benches/runs/2026-11-28-holds.md).
@@ -24,7 +25,7 @@ const NEARLY_THERE: usize = 100;
 const RECENT: usize = 10;
 
 /// Share by which the coarse grid may be longer than that and still count as one between: phases grow a little.
-const NEARLY: f64 = 1.2;
+const NEARLY: f64 = 1.1;
 
 /// What became of the finer grid.
 #[derive(Debug, Clone, PartialEq)]
@@ -134,10 +135,6 @@ pub(crate) fn refine(
         return (coarse, Refined::No);
     };
     let coarse_intervals = coarse.trajectory.program.n_intervals();
-    let middle = Refinement {
-        max_step: MIDDLE * refinement.max_step,
-        ..refinement
-    };
     let mut stopped = !observe(&Event::Refining {
         max_step: refinement.max_step,
     });
@@ -153,15 +150,24 @@ pub(crate) fn refine(
         late = begin.elapsed().as_secs_f64() > request.time_limit;
         !stopped && !late
     };
-    let between = (longest_step(&coarse) > NEARLY * middle.max_step)
-        .then(|| on_the_way(planner, phases, settings, (&coarse, middle), &mut watch))
-        .filter(|motion| motion.feasible);
-    let from = between.as_ref().unwrap_or(&coarse);
-    let mut fine = on_grid(planner, phases, settings, (from, refinement), &mut watch);
-    if let Some(motion) = &between {
-        fine.iterations += motion.iterations;
-        fine.seconds += motion.seconds;
+    let (mut iterations, mut seconds) = (0, 0.0);
+    let mut from = coarse;
+    for steps in BETWEEN {
+        let grid = Refinement {
+            max_step: steps * refinement.max_step,
+            ..refinement
+        };
+        if longest_step(&from) > NEARLY * grid.max_step {
+            let finer = on_the_way(planner, phases, settings, (&from, grid), &mut watch);
+            (iterations, seconds) = (iterations + finer.iterations, seconds + finer.seconds);
+            if finer.feasible {
+                from = finer;
+            }
+        }
     }
+    let mut fine = on_grid(planner, phases, settings, (&from, refinement), &mut watch);
+    fine.iterations += iterations;
+    fine.seconds += seconds;
     if fine.feasible {
         let done = Refined::Done {
             coarse_intervals,
@@ -176,7 +182,7 @@ pub(crate) fn refine(
         Some(words) => words,
         None => format!("the optimiser ended as {:?}", fine.report.status),
     };
-    (between.unwrap_or(coarse), Refined::Failed(reason))
+    (from, Refined::Failed(reason))
 }
 
 /// Longest interval of a motion [s].

@@ -307,7 +307,7 @@ impl Run<'_> {
                 self.refined = best;
                 return ended;
             }
-            self.coarse = self.coarse.take().or(best);
+            self.coarse = Found::cheaper(self.coarse.take(), best);
             let plans = mem::replace(&mut self.diverse, Diverse::new(self.request.solutions));
             self.aside.extend(plans.plans());
         }

@@ -302,10 +302,9 @@ impl Run<'_> {
         let mut refined = self.refined.take();
         if refined.is_none() {
             let latest = self.refine_best(wanted);
-            let coarse = self.coarse.take();
             refined = match latest {
-                Some(found) if found.is_refined() || coarse.is_none() => Some(found),
-                _ => coarse,
+                Some(found) if found.is_refined() => Some(found),
+                _ => Found::cheaper(self.coarse.take(), latest),
             };
         }
         let feasible = refined.is_some();
