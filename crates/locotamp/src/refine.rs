@@ -24,7 +24,7 @@ const NEARLY_THERE: usize = 100;
 /// How many iterations before that count: violations rise now and then when the barrier falls.
 const RECENT: usize = 10;
 
-/// Share by which the coarse grid may be longer than that and still count as one between: phases grow a little.
+/// Share by which a grid may be longer than one between and still count as that: phases grow a little.
 const NEARLY: f64 = 1.1;
 
 /// What became of the finer grid.
@@ -150,6 +150,7 @@ pub(crate) fn refine(
         late = begin.elapsed().as_secs_f64() > request.time_limit;
         !stopped && !late
     };
+    let is_over = || request.stop.is_set() || begin.elapsed().as_secs_f64() > request.time_limit;
     let (mut iterations, mut seconds) = (0, 0.0);
     let mut from = coarse;
     for steps in BETWEEN {
@@ -157,7 +158,7 @@ pub(crate) fn refine(
             max_step: steps * refinement.max_step,
             ..refinement
         };
-        if longest_step(&from) > NEARLY * grid.max_step {
+        if !is_over() && longest_step(&from) > NEARLY * grid.max_step {
             let finer = on_the_way(planner, phases, settings, (&from, grid), &mut watch);
             (iterations, seconds) = (iterations + finer.iterations, seconds + finer.seconds);
             if finer.feasible {

@@ -1,7 +1,8 @@
 //! The text of a URDF as readers of a plan need it.
 //!
 //! A velocity limit that is missing or zero is none. Readers take the text at its word, or do not take it at all, so there it says one
-//! that no joint comes to. Locked joints are fixed ones there. Settings for MuJoCo (`<mujoco>`) are left out: they name folders of the file's own place, and who replays a plan has their own.
+//! that no joint comes to. Locked joints are fixed ones there. Settings for MuJoCo (`<mujoco>`) are left out: they name folders of the
+//! file's own place, and who replays a plan has their own.
 
 use crate::locked_joints::fix_if_locked;
 use crate::urdf_text::{Edits, child, children};
