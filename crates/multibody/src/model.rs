@@ -201,6 +201,8 @@ pub struct Model {
     pub gravity: Vector3<f64>,
     /// What was read in a way that its author may not expect (locked joints, skipped geometry), as sentences.
     pub notes: Vec<String>,
+    /// Joints of the description that cannot move on their own, by name, and where they are locked [rad or m].
+    pub locked: Vec<(String, f64)>,
     pub(crate) motions: Vec<Motion>,
     pub(crate) supports: Vec<Vec<usize>>,
 }
@@ -250,6 +252,7 @@ impl Model {
             nv,
             gravity,
             notes: Vec::new(),
+            locked: Vec::new(),
             motions,
             supports,
         })

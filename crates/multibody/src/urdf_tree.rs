@@ -27,6 +27,7 @@ impl Model {
             joints: Vec::new(),
             frames: Vec::new(),
             notes: description.notes.clone(),
+            locked: Vec::new(),
             unlimited: Vec::new(),
             unlimited_speed: Vec::new(),
         };
@@ -36,6 +37,7 @@ impl Model {
         let mut model = Model::new(&description.name, walk.joints, walk.frames)
             .map_err(|error| name_the_link(error, &description))?;
         model.notes = walk.notes;
+        model.locked = walk.locked;
         for (joints, limit, units) in [
             (walk.unlimited, "effort", "N·m or N"),
             (walk.unlimited_speed, "velocity", "rad/s or m/s"),
@@ -139,6 +141,7 @@ struct Walk {
     joints: Vec<Joint>,
     frames: Vec<Frame>,
     notes: Vec<String>,
+    locked: Vec<(String, f64)>,
     /// Joints without a limit on their effort, and on their velocity.
     unlimited: Vec<String>,
     unlimited_speed: Vec<String>,
@@ -213,6 +216,7 @@ impl Walk {
             self.notes.push(format!(
                 "joint {name:?} {reason} and is locked at {position}"
             ));
+            self.locked.push((name.clone(), position));
             return Ok((
                 visit.carrier,
                 carrier_from_child * kind.displacement(position),

@@ -11,9 +11,9 @@ use roxmltree::Document;
 /// What stands for no limit [rad/s or m/s].
 const NO_LIMIT: &str = "1000";
 
-/// The text of a URDF with a velocity in every `<limit>`, without locked joints and `<mujoco>`. A text that cannot be read is left as it
-/// is.
-pub(crate) fn for_readers(urdf: &str) -> String {
+/// The text of a URDF with a velocity in every `<limit>`, without `<mujoco>`, and with fixed joints for those that are `locked`
+/// ([`multibody::Model::locked`]). A text that cannot be read is left as it is.
+pub(crate) fn for_readers(urdf: &str, locked: &[(String, f64)]) -> String {
     let mut edits = Edits::default();
     if let Ok(document) = Document::parse(urdf) {
         let robot = document.root_element();
@@ -21,7 +21,7 @@ pub(crate) fn for_readers(urdf: &str) -> String {
             edits.replace(settings.range(), String::new());
         }
         for joint in children(robot, "joint") {
-            fix_if_locked(joint, &mut edits);
+            fix_if_locked(joint, locked, &mut edits);
         }
         let joints = children(robot, "joint");
         for limit in joints.filter_map(|joint| child(joint, "limit")) {
@@ -64,14 +64,14 @@ mod tests {
             ("<limit velocity='3'/>", "<limit velocity='3'/>"),
             ("<axis xyz='0 0 1'/>", "<axis xyz='0 0 1'/>"),
         ] {
-            assert_eq!(for_readers(&joint(before)), joint(after));
+            assert_eq!(for_readers(&joint(before), &[]), joint(after));
         }
-        assert_eq!(for_readers("<robot"), "<robot");
+        assert_eq!(for_readers("<robot", &[]), "<robot");
     }
     #[test]
     fn settings_for_mujoco_are_left_out() {
         let robot = |settings: &str| format!("<robot>{settings}<link name='a'/></robot>");
         let settings = "<mujoco><compiler meshdir='meshes'/></mujoco>";
-        assert_eq!(for_readers(&robot(settings)), robot(""));
+        assert_eq!(for_readers(&robot(settings), &[]), robot(""));
     }
 }

@@ -1,17 +1,17 @@
-//! Joints that a model locks, in the text of a URDF: those that mimic others and those without range. A plan says nothing of them, and
-//! to simulators they would be joints that nothing drives.
+//! Joints that a model locks, in the text of a URDF: a plan says nothing of them, and to simulators they would be joints that nothing
+//! drives.
 
 use crate::urdf_text::{Edits, child, vector};
 use nalgebra::{Rotation3, Translation3, Unit, Vector3};
 use roxmltree::Node;
 
-/// Makes a joint that [`multibody::Model::from_urdf`] locks a fixed one, at the position where it is locked.
-pub(crate) fn fix_if_locked(joint: Node, edits: &mut Edits) {
+/// Makes a joint a fixed one if it is among those that are `locked` ([`multibody::Model::locked`]), where it is locked.
+pub(crate) fn fix_if_locked(joint: Node, locked: &[(String, f64)], edits: &mut Edits) {
     let Some(kind) = joint.attribute_node("type") else {
         return;
     };
-    let moves = matches!(kind.value(), "revolute" | "continuous" | "prismatic");
-    let Some(position) = locked_at(joint).filter(|_| moves) else {
+    let is_this = |(name, _): &&(String, f64)| joint.attribute("name") == Some(name);
+    let Some(&(_, position)) = locked.iter().find(is_this) else {
         return;
     };
     let origin = child(joint, "origin");
@@ -45,21 +45,6 @@ pub(crate) fn fix_if_locked(joint: Node, edits: &mut Edits) {
     edits.replace(kind.range_value(), "fixed".to_owned());
 }
 
-/// Where a joint is locked [rad or m]; `None` if it moves.
-fn locked_at(joint: Node) -> Option<f64> {
-    let number = |node: Node, attribute| node.attribute(attribute)?.trim().parse::<f64>().ok();
-    if let Some(mimic) = child(joint, "mimic") {
-        return Some(
-            number(mimic, "offset")
-                .filter(|x| x.is_finite())
-                .unwrap_or(0.0),
-        );
-    }
-    let limit = child(joint, "limit").filter(|_| joint.attribute("type") != Some("continuous"))?;
-    let [lower, upper] = ["lower", "upper"].map(|name| number(limit, name).unwrap_or(0.0));
-    (lower == upper).then_some(lower)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -68,9 +53,10 @@ mod tests {
     use roxmltree::Document;
 
     fn fixed(urdf: &str) -> String {
+        let model = Model::from_urdf(urdf, Root::Floating).unwrap();
         let (document, mut edits) = (Document::parse(urdf).unwrap(), Edits::default());
         for joint in children(document.root_element(), "joint") {
-            fix_if_locked(joint, &mut edits);
+            fix_if_locked(joint, &model.locked, &mut edits);
         }
         edits.apply(urdf)
     }

@@ -132,7 +132,7 @@ pub(crate) fn load(
     Ok(LoadedRobot {
         robot: Robot {
             name: robot_name,
-            urdf: for_readers(&fitted.urdf),
+            urdf: for_readers(&fitted.urdf, &model.locked),
             model,
             home,
             shapes,

@@ -189,9 +189,8 @@ mod tests {
         assert!(clocks.is_sorted(), "the least advanced goes on: {order:?}");
     }
 
-    #[test]
-    fn motions_stand_still_while_all_places_are_taken() {
-        let turns = Turns::new(2);
+    /// Of two places, a motion that has worked stands still in one while all are taken so, until they are given back.
+    fn stands_still_while<'a, T>(turns: &'a Turns, take: impl FnOnce(&'a Turns) -> T) {
         let (steps, ended) = (AtomicUsize::new(0), AtomicBool::new(false));
         thread::scope(|scope| {
             scope.spawn(|| {
@@ -201,35 +200,10 @@ mod tests {
                     steps.fetch_add(1, Ordering::SeqCst);
                 }
             });
-            while steps.load(Ordering::SeqCst) == 0 {
-                thread::yield_now();
-            }
-            let all = turns.all();
-            let before = steps.load(Ordering::SeqCst);
-            thread::sleep(Duration::from_millis(5));
-            assert_eq!(steps.load(Ordering::SeqCst), before);
-            ended.store(true, Ordering::SeqCst);
-            drop(all);
-        });
-        assert_eq!(turns.lock().free, 2);
-    }
-
-    #[test]
-    fn what_takes_all_places_begins_in_one_and_the_others_leave_theirs() {
-        let turns = Turns::new(2);
-        let (steps, ended) = (AtomicUsize::new(0), AtomicBool::new(false));
-        thread::scope(|scope| {
-            scope.spawn(|| {
-                let turn = turns.enter(1, 0);
-                while !ended.load(Ordering::SeqCst) {
-                    turn.worked(1);
-                    steps.fetch_add(1, Ordering::SeqCst);
-                }
-            });
             while steps.load(Ordering::SeqCst) < 5 {
                 thread::yield_now();
             }
-            let all = turns.enter_for_all(2, 3);
+            let all = take(turns);
             while turns.lock().free < 0 {
                 thread::yield_now();
             }
@@ -240,6 +214,16 @@ mod tests {
             drop(all);
         });
         assert_eq!(turns.lock().free, 2);
+    }
+
+    #[test]
+    fn motions_stand_still_while_all_places_are_taken() {
+        stands_still_while(&Turns::new(2), Turns::all);
+    }
+
+    #[test]
+    fn what_takes_all_places_begins_in_one_and_the_others_leave_theirs() {
+        stands_still_while(&Turns::new(2), |turns| turns.enter_for_all(2, 3));
     }
 
     #[test]
