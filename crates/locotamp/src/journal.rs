@@ -5,6 +5,7 @@
 //! motion of a sequence on the coarse grid) and `sequence` (how far a complete sequence got). Format: docs/journal-format.md.
 
 use crate::api::Error;
+use crate::lapse::Lapse;
 use ocp::Point;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -110,6 +111,9 @@ pub struct Coarse {
     /// The phase that costs most, from 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dearest_phase: Option<usize>,
+    /// What it lacks between its nodes.
+    #[serde(default)]
+    pub lapse: Lapse,
     /// Its largest violation (scaled rows).
     pub violation: f64,
     /// Iterations of the optimiser.

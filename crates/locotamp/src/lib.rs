@@ -11,6 +11,7 @@ mod domain;
 mod explain;
 mod export;
 mod journal;
+mod lapse;
 mod quality;
 mod refine;
 mod search;

@@ -22,46 +22,65 @@ pub struct Between {
     pub torque_change: f64,
 }
 
+impl Between {
+    /// The larger of each.
+    #[must_use]
+    pub fn max(self, other: Self) -> Self {
+        Self {
+            base_force: self.base_force.max(other.base_force),
+            base_moment: self.base_moment.max(other.base_moment),
+            object_force: self.object_force.max(other.object_force),
+            torque_share: self.torque_share.max(other.torque_share),
+            torque_change: self.torque_change.max(other.torque_change),
+        }
+    }
+}
+
 impl Trajectory {
     /// Samples the motion every `step` seconds.
     pub fn between(&mut self, x: &Point, step: f64) -> Between {
+        let intervals = 0..self.program.n_intervals();
+        intervals.fold(Between::default(), |most, t| {
+            most.max(self.between_of(x, t, step))
+        })
+    }
+
+    /// The same of interval `t`.
+    pub fn between_of(&mut self, x: &Point, t: usize, step: f64) -> Between {
         let mut found = Between::default();
         let (beta, gamma) = self.program.settings.integrator.shares();
         let mut kinematics = multibody::Kinematics::new(&self.program.system.model);
         let mut relatives: Vec<_> = (self.program.frames.iter())
             .map(crate::relative::RelativeFrame::relative)
             .collect();
-        for t in 0..self.program.n_intervals() {
-            let (v, a) = self.velocity_and_acceleration(x, t);
-            let at_node = self.torques(x, t);
-            let dt = self.dt(x, t);
-            let samples = (dt / step).floor() as usize;
-            for k in 0..=samples {
-                let s = k as f64 * step;
-                let program = &self.program;
-                let model = &program.system.model;
-                let speed: Vec<f64> = v.iter().zip(&a).map(|(v, a)| v + a * s).collect();
-                let moved: Vec<f64> = v
-                    .iter()
-                    .zip(&speed)
-                    .map(|(v, now)| s * (beta * v + gamma * now))
-                    .collect();
-                kinematics.update(model, &model.integrate(&x.nodes[t], &moved));
-                let mut tau = self.scratches[0]
-                    .rnea
-                    .compute(model, &kinematics, &speed, &a)
-                    .to_vec();
-                for force in &program.intervals[t].forces {
-                    let frame = &program.frames[force.frame];
-                    let relative = &mut relatives[force.frame];
-                    frame.update(&kinematics, relative);
-                    let wrench = physical_wrench(force, &x.wrenches[t]);
-                    for (&col, column) in frame.cols.iter().zip(&relative.columns) {
-                        tau[col] -= column.dot(&wrench);
-                    }
+        let (v, a) = self.velocity_and_acceleration(x, t);
+        let at_node = self.torques(x, t);
+        let samples = (self.dt(x, t) / step).floor() as usize;
+        for k in 0..=samples {
+            let s = k as f64 * step;
+            let program = &self.program;
+            let model = &program.system.model;
+            let speed: Vec<f64> = v.iter().zip(&a).map(|(v, a)| v + a * s).collect();
+            let moved: Vec<f64> = v
+                .iter()
+                .zip(&speed)
+                .map(|(v, now)| s * (beta * v + gamma * now))
+                .collect();
+            kinematics.update(model, &model.integrate(&x.nodes[t], &moved));
+            let mut tau = self.scratches[0]
+                .rnea
+                .compute(model, &kinematics, &speed, &a)
+                .to_vec();
+            for force in &program.intervals[t].forces {
+                let frame = &program.frames[force.frame];
+                let relative = &mut relatives[force.frame];
+                frame.update(&kinematics, relative);
+                let wrench = physical_wrench(force, &x.wrenches[t]);
+                for (&col, column) in frame.cols.iter().zip(&relative.columns) {
+                    tau[col] -= column.dot(&wrench);
                 }
-                self.note(&tau, &at_node, &mut found);
             }
+            self.note(&tau, &at_node, &mut found);
         }
         found
     }

@@ -5,6 +5,7 @@
 
 mod balance;
 mod between;
+mod carried;
 mod chain;
 pub mod collision;
 mod derivatives;

@@ -138,6 +138,7 @@ impl Motion {
 }
 
 /// How the first round is solved.
+#[derive(Clone)]
 pub(crate) struct First {
     /// Options of the solver.
     pub options: Options,
@@ -324,7 +325,8 @@ impl<'a> Planner<'a> {
         Motion::new(trajectory, point, report, Work::default(), feasible, worst)
     }
 
-    /// Solves a program, again with more rows where the motion collides, at nodes or between them.
+    /// Solves a program, again with more rows where the motion collides, at nodes or between them. If no motion near the first one
+    /// obeys these, since something passed through something else, it begins once more with all of them.
     pub(crate) fn optimise(
         &self,
         phases: &[Phase],
@@ -336,6 +338,7 @@ impl<'a> Planner<'a> {
         let settings = &program.settings.clone();
         let mut crossings = Crossings::new();
         crossings.earlier.push(point.nodes.clone());
+        let mut begin = Some((point.clone(), first.clone()));
         let mut work = Work::default();
         for round in 0.. {
             let mut trajectory = Trajectory::new(program);
@@ -385,6 +388,13 @@ impl<'a> Planner<'a> {
                     program = again;
                     continue;
                 }
+            }
+            let stuck = report.status != Status::Interrupted && !crossings.ways.is_empty();
+            if let Some(begin) = begin.take_if(|_| stuck && !nearly_solved) {
+                (point, first) = begin;
+                let clearances = near(&point.nodes, &crossings);
+                program = self.program(phases, settings, Grid::Motion, clearances);
+                continue;
             }
             // Nobody has asked yet about what came near in the last round.
             let worst = if nearly_solved {

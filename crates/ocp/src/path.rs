@@ -1,6 +1,7 @@
 //! A path between keyframes: configurations that keep clear of everything and approach contacts along their normals, no
 //! dynamics. It decides on which side of an obstacle a hand passes, which a motion cannot change any more.
 
+use crate::carried;
 use crate::collision::{Clearances, Crossings, Watched};
 use crate::guess;
 use crate::keyframes::KEYFRAME_TOLERANCE;
@@ -51,7 +52,8 @@ impl Planner<'_> {
                 steps: STEPS,
             })
             .collect();
-        let nodes = guess::straight(&self.system, keyframes, STEPS);
+        let mut nodes = guess::straight(&self.system, keyframes, STEPS);
+        carried::follow(self.scene, &self.system, phases, &mut nodes);
         let path = self.clear_path(&coarse, settings, nodes);
         let steps: Vec<usize> = phases.iter().map(|p| p.steps).collect();
         guess::interpolate(&self.system, &steps, &path.nodes, STEPS)

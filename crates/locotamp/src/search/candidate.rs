@@ -1,5 +1,6 @@
 //! A sequence whose keyframes exist, and what is next for it.
 
+use super::growth::Costs;
 use super::results::name;
 use super::workers::Evaluated;
 use crate::api::Reached;
@@ -8,8 +9,8 @@ use ocp::{Point, Relative};
 use std::sync::Arc;
 use symbolic::Sequence;
 
-/// Work on the finer grid that counts as one unit: what may become a plan is not kept waiting by what else is tried. What costs about as
-/// much as was promised mostly becomes one: hardly anything else is done meanwhile (benches/runs/2026-11-28-all-threads.md).
+/// Work on the finer grid that counts as one unit: what may become a plan is not kept waiting by what else is tried. While one is held
+/// that probably becomes one, hardly anything else is done (benches/runs/2026-11-28-all-threads.md).
 const HOLD_PACE: u64 = 3;
 const LIKELY_PACE: u64 = 16;
 /// What a motion costs more on the grid on which it holds than on the coarse one, in the cost of that, from which on it has become
@@ -30,15 +31,13 @@ pub(super) struct Candidate {
 
 /// What the motion of a sequence on the coarse grid costs, and what it took.
 pub(super) struct Coarse {
-    pub cost: f64,
-    /// The part of it that is the scene's objective.
-    pub objective: f64,
+    pub costs: Costs,
     pub iterations: usize,
     pub work: u64,
     pub seconds: f64,
     pub relative: Option<Arc<Relative>>,
-    /// True if it costs about as much as was promised ([`super::growth::Growth`]).
-    pub is_as_promised: bool,
+    /// True if it will probably hold on a finer grid as it is ([`super::growth::Growth`]).
+    pub is_likely: bool,
 }
 
 impl Candidate {
@@ -53,7 +52,7 @@ impl Candidate {
 
     /// True if its motion on the finer grid is likely to become a plan: it has all threads.
     pub fn is_likely(&self) -> bool {
-        (self.coarse.as_ref()).is_some_and(|coarse| coarse.is_as_promised)
+        (self.coarse.as_ref()).is_some_and(|coarse| coarse.is_likely)
     }
 }
 
@@ -61,7 +60,7 @@ impl Coarse {
     /// True if a motion on the finer grid at this cost, with this part for the scene's objective, has become another one, mostly a
     /// contorted one.
     pub fn is_left(&self, cost: f64, objective: f64) -> bool {
-        let (before, now) = (self.cost - self.objective, cost - objective);
+        let (before, now) = (self.costs.effort, cost - objective);
         now - before > CHANGED * before
     }
 }
@@ -111,23 +110,28 @@ impl Work {
 
 #[cfg(test)]
 mod tests {
-    use super::Coarse;
+    use super::*;
+    use crate::lapse::Lapse;
 
     #[test]
     fn a_motion_that_costs_half_as_much_again_on_the_finer_grid_has_become_another_one() {
-        let coarse = |cost, objective| Coarse {
-            cost,
-            objective,
+        let coarse = |effort: f64, objective: f64| Coarse {
+            costs: Costs {
+                promise: 0.0,
+                cost: effort + objective,
+                effort,
+                dearest_phase: None,
+                lapse: Lapse::default(),
+            },
             iterations: 0,
             work: 0,
             seconds: 0.0,
             relative: None,
-            is_as_promised: false,
+            is_likely: false,
         };
         for objective in [0.0, -80.0] {
             for (before, now, left) in [(50.2, 96.6, true), (39.3, 46.8, false)] {
-                let coarse = coarse(before + objective, objective);
-                let is_left = coarse.is_left(now + objective, objective);
+                let is_left = coarse(before, objective).is_left(now + objective, objective);
                 assert_eq!(is_left, left, "{before}, {now}, {objective}");
             }
         }

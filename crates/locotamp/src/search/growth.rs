@@ -3,18 +3,20 @@
 //! Keyframes know neither velocities nor torques: a lunge onto a platform promises hardly more than a step. A motion that costs more
 //! than twice what was promised is strained. None that was tried held on a finer grid (benches/runs/2026-11-27-strained.md). What it
 //! costs more is expected of other sequences with the same dearest step too, until one of them has a motion that is not strained.
+//! So is one with a serious lapse between its nodes ([`Lapse`]): it will cost about twice as much on the finer grid.
 //!
 //! Where an attempt fails without having cost much, others that do the same there wait behind what promises a little more. So do those
 //! that have a motion on the coarse grid, if another one failed there on the finer grid.
 
 use super::places::{Place, Places};
+use crate::lapse::Lapse;
 use scene::Objective;
 use std::collections::{BTreeMap, BTreeSet};
 use symbolic::ContactState;
 
 /// What a motion costs, in that of what its keyframes promised, from which on it is strained.
 const STRAINED: f64 = 2.0;
-/// The same up to which it is as promised: it is worth trying on the finer grid before there is another to choose from
+/// The same up to which it is as promised, and worth trying on the finer grid before there is another to choose from
 /// (benches/runs/2026-11-28-due-results.md).
 const AS_PROMISED: f64 = 1.4;
 /// Promises below this count as this much: a few steps more or less of so short a motion say nothing.
@@ -49,8 +51,12 @@ pub(super) struct Costs {
     /// What its keyframes promised.
     pub promise: f64,
     pub cost: f64,
+    /// The part of it that is not for the scene's objective.
+    pub effort: f64,
     /// Phase that costs most, from 0.
     pub dearest_phase: Option<usize>,
+    /// What it lacks between its nodes.
+    pub lapse: Lapse,
 }
 
 impl Growth {
@@ -63,19 +69,25 @@ impl Growth {
         }
     }
 
-    /// True if a motion costs far more than its keyframes promised; not told where the scene rewards something.
-    pub fn is_strained(&self, promise: f64, cost: f64) -> bool {
-        !self.has_reward && cost > STRAINED * promise.max(LEAST_PROMISE)
+    /// True if a motion will hardly hold on a finer grid.
+    pub fn is_strained(&self, costs: &Costs) -> bool {
+        self.is_within(STRAINED, costs) == Some(false) || costs.lapse.is_serious()
     }
 
-    /// True if a motion costs about what its keyframes promised; not told where the scene rewards something.
-    pub fn is_as_promised(&self, promise: f64, cost: f64) -> bool {
-        !self.has_reward && cost <= AS_PROMISED * promise.max(LEAST_PROMISE)
+    /// True if a motion will probably hold on a finer grid as it is.
+    pub fn is_likely(&self, costs: &Costs) -> bool {
+        let as_promised = self.is_within(AS_PROMISED, costs);
+        as_promised.unwrap_or(costs.lapse.is_slight()) && !costs.lapse.is_serious()
+    }
+
+    /// Does a motion cost at most so many times what its keyframes promised? Not told where the scene rewards something.
+    fn is_within(&self, times: f64, costs: &Costs) -> Option<bool> {
+        (!self.has_reward).then(|| costs.cost <= times * costs.promise.max(LEAST_PROMISE))
     }
 
     /// Takes note of a motion on the coarse grid and its costs.
     pub fn found(&mut self, states: &[ContactState], costs: &Costs) {
-        if self.is_strained(costs.promise, costs.cost) {
+        if self.is_strained(costs) {
             self.strained_at(states, costs);
         } else {
             self.usual.push(costs.cost - costs.promise);
@@ -85,7 +97,7 @@ impl Growth {
 
     /// The same of an attempt that ended without one, in phase `worst` (from 0): what is costly and does not even hold says as much.
     pub fn failed(&mut self, states: &[ContactState], costs: &Costs, worst: Option<usize>) {
-        if self.is_strained(costs.promise, costs.cost) {
+        if self.is_strained(costs) {
             self.strained_at(states, costs);
         } else if let Some(phase) = worst.filter(|&phase| phase < states.len() && !self.has_reward)
         {
@@ -109,13 +121,22 @@ impl Growth {
     }
 
     /// What a sequence whose coarse motion costs so much is likely to cost: more, where others failed on the finer grid.
-    pub fn expected_to_hold(&self, states: &[ContactState], cost: f64) -> f64 {
-        cost + most(&self.places.of(states), &self.unheld, &self.held)
+    pub fn expected_to_hold(&self, states: &[ContactState], costs: &Costs) -> f64 {
+        let lapse = if costs.lapse.is_serious() {
+            costs.effort
+        } else {
+            0.0
+        };
+        costs.cost + lapse + most(&self.places.of(states), &self.unheld, &self.held)
     }
 
     fn strained_at(&mut self, states: &[ContactState], costs: &Costs) {
-        if let Some(phase) = costs.dearest_phase.filter(|&phase| phase < states.len()) {
-            let more = costs.cost - costs.promise;
+        let (phase, more) = if costs.lapse.is_serious() {
+            (Some(costs.lapse.phase), costs.effort)
+        } else {
+            (costs.dearest_phase, costs.cost - costs.promise)
+        };
+        if let Some(phase) = phase.filter(|&phase| phase < states.len()) {
             let place = self.places.at(states, phase);
             let least = self.strained.entry(place).or_insert(more);
             *least = least.min(more);
@@ -158,7 +179,9 @@ mod tests {
         Costs {
             promise,
             cost,
+            effort: cost,
             dearest_phase: Some(dearest),
+            lapse: Lapse::default(),
         }
     }
 
@@ -191,15 +214,16 @@ mod tests {
     fn a_motion_waits_where_others_failed_on_the_finer_grid_until_one_holds_there() {
         let mut growth = Growth::default();
         let there = sequence(&[7, 1, 2, 3, 8]);
+        let cheap = costs(30.0, 30.0, 1);
         growth.did_not_hold(&sequence(&[5, 1, 2, 3]), 40.0, 2);
-        assert_eq!(growth.expected_to_hold(&there, 30.0), 40.0);
+        assert_eq!(growth.expected_to_hold(&there, &cheap), 40.0);
         assert_eq!(growth.expected(&there, 30.0), 40.0);
-        assert_eq!(growth.expected_to_hold(&sequence(&[2, 3, 4]), 30.0), 30.0);
+        assert_eq!(growth.expected_to_hold(&sequence(&[2, 3, 4]), &cheap), 30.0);
         // A motion on the coarse grid is none on the finer one.
-        growth.found(&there, &costs(30.0, 30.0, 1));
-        assert_eq!(growth.expected_to_hold(&there, 30.0), 40.0);
+        growth.found(&there, &cheap);
+        assert_eq!(growth.expected_to_hold(&there, &cheap), 40.0);
         growth.holds(&sequence(&[1, 2, 3, 9]));
-        assert_eq!(growth.expected_to_hold(&there, 30.0), 30.0);
+        assert_eq!(growth.expected_to_hold(&there, &cheap), 30.0);
     }
 
     #[test]
@@ -213,11 +237,58 @@ mod tests {
         assert_eq!(growth.expected(&sequence(&[6, 7]), 20.0), 24.0);
     }
 
+    /// Costs of a motion that lacks twice what is serious in phase `phase`.
+    fn lapsed(promise: f64, cost: f64, phase: usize) -> Costs {
+        Costs {
+            effort: cost + 80.0,
+            lapse: Lapse {
+                torque: 3.0,
+                force: 2.0,
+                phase,
+            },
+            ..costs(promise, cost, 0)
+        }
+    }
+
     #[test]
-    fn nothing_is_strained_where_the_scene_rewards_something() {
+    fn a_lapse_strains_a_motion_and_those_that_do_the_same_there_whatever_the_scene_rewards() {
+        let mut growth = Growth::new(Places::default(), &Objective::BaseHeight);
+        let lunge = lapsed(-1300.0, -10.0, 2);
+        growth.found(&sequence(&[7, 1, 2, 3]), &lunge);
+        assert_eq!(growth.expected(&sequence(&[1, 2, 3, 4]), -1300.0), -1230.0);
+        assert_eq!(growth.expected(&sequence(&[1, 2, 4]), -1290.0), -1290.0);
+        assert_eq!(
+            growth.expected_to_hold(&sequence(&[7, 1, 2, 3]), &lunge),
+            60.0
+        );
+        growth.found(&sequence(&[5, 1, 2, 3]), &costs(-1290.0, 10.0, 0));
+        assert_eq!(growth.expected(&sequence(&[1, 2, 3, 4]), -1300.0), 0.0);
+    }
+
+    #[test]
+    fn what_costs_as_promised_is_likely_and_where_the_scene_rewards_something_what_has_a_slight_lapse()
+     {
         let of = |objective| Growth::new(Places::default(), &objective);
         let (time, height) = (of(Objective::Time), of(Objective::BaseHeight));
-        assert!(time.is_strained(20.0, 41.0) && !time.is_strained(20.0, 39.0));
-        assert!(!time.is_strained(1.0, 19.0) && !height.is_strained(20.0, 41.0));
+        let (cheap, dear) = (costs(20.0, 27.0, 0), costs(20.0, 29.0, 0));
+        assert!(time.is_likely(&cheap) && !time.is_likely(&dear));
+        assert!(height.is_likely(&cheap) && height.is_likely(&dear));
+        let middling = Lapse {
+            torque: 1.2,
+            ..Lapse::default()
+        };
+        let with = |lapse| Costs { lapse, ..cheap };
+        assert!(time.is_likely(&with(middling)) && !height.is_likely(&with(middling)));
+        let serious = lapsed(20.0, 20.0, 0);
+        assert!(!time.is_likely(&serious) && !height.is_likely(&serious));
+    }
+
+    #[test]
+    fn cost_strains_nothing_where_the_scene_rewards_something() {
+        let of = |objective| Growth::new(Places::default(), &objective);
+        let (time, height) = (of(Objective::Time), of(Objective::BaseHeight));
+        let strains = |growth: &Growth, promise, cost| growth.is_strained(&costs(promise, cost, 0));
+        assert!(strains(&time, 20.0, 41.0) && !strains(&time, 20.0, 39.0));
+        assert!(!strains(&time, 1.0, 19.0) && !strains(&height, 20.0, 41.0));
     }
 }

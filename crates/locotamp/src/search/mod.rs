@@ -61,6 +61,8 @@ const SEARCH_SHARE: f64 = 0.9;
 const REFINING: f64 = 0.6;
 /// Largest share of the search's time that is spent on more sequences once there is a plan.
 const CHOOSING_SHARE: f64 = 0.5;
+/// How long a plan that is not contorted is looked for, in what it took to the first one.
+const PATIENCE: u64 = 4;
 /// Largest share of the time limit that is kept for refining.
 const MOST_REFINING: f64 = 0.6;
 
@@ -163,8 +165,8 @@ pub fn plan(
             longer: Longer::default(),
             attempts: vec![],
             diverse: Diverse::new(request.solutions),
-            found: 0,
             found_unchanged: false,
+            content_from: None,
             refined: None,
             coarse: None,
             aside: vec![],
@@ -276,10 +278,10 @@ struct Run<'a> {
     failures: Failures,
     longer: Longer,
     attempts: Vec<Attempt>,
-    /// The plans, how many were found, and whether one of them is about what it was on the coarse grid.
+    /// The plans, whether one of them is about what it was on the coarse grid, and the clock from which on others do, too.
     diverse: Diverse,
-    found: usize,
     found_unchanged: bool,
+    content_from: Option<u64>,
     /// The best of them, refined.
     refined: Option<Found>,
     /// The best of those that cannot be refined, and all of these.
@@ -374,9 +376,11 @@ impl Run<'_> {
         }
     }
 
-    /// True unless all plans so far have become contorted on the finer grid; then one more than is asked for is found.
+    /// True unless all plans so far have become contorted on the finer grid. Those can hardly ever be refined, and trying takes as long
+    /// as many sequences do: others are tried first, for a while.
     fn is_content(&self) -> bool {
-        self.found_unchanged || self.found > self.request.solutions
+        let patient = self.content_from.is_some_and(|from| self.clock < from);
+        self.found_unchanged || !patient || self.is_after(CHOOSING_SHARE * self.deadline())
     }
 
     /// True after so many seconds of the run.

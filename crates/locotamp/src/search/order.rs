@@ -15,10 +15,10 @@ pub(super) struct Waiting {
     pub has_motion: bool,
     /// What that costs, or is likely to cost.
     pub cost: f64,
-    /// True if that is far more than its keyframes promised.
+    /// True if it will hardly hold.
     pub is_strained: bool,
-    /// True if that is about what its keyframes promised.
-    pub is_as_promised: bool,
+    /// True if it will probably hold.
+    pub is_likely: bool,
 }
 
 /// What may be begun.
@@ -37,8 +37,8 @@ pub(super) struct May {
 /// The most promising one: whose motion on the coarse grid is likely to cost least, since postures at the edge of reach cost a lot,
 /// and make the optimiser's work hard; of equal ones the first.
 ///
-/// If that has its motion, it is tried on the finer grid; but not before there are some to choose from, unless it costs what was promised
-/// or no other waits. If many have theirs, the cheapest of them is tried. Others are begun only if so many sequences have been drawn that
+/// If that has its motion, it is tried on the finer grid; but not before there are some to choose from, unless it will
+/// probably hold or no other waits. If many have theirs, the cheapest of them is tried. Others are begun only if so many sequences have been drawn that
 /// there is a choice.
 pub(super) fn next(waiting: &[Waiting], may: May) -> Option<usize> {
     let cost = |n: usize| waiting[n].cost;
@@ -53,7 +53,7 @@ pub(super) fn next(waiting: &[Waiting], may: May) -> Option<usize> {
     let are_many = motions().count() >= MOST_STRAINED
         || motions().filter(|w| !w.is_strained).count() >= MOST_WAITING;
     let is_chosen = |hold: usize, begin: usize| {
-        let has_others = may.moved >= CHOICE || waiting[hold].is_as_promised;
+        let has_others = may.moved >= CHOICE || waiting[hold].is_likely;
         has_others && cost(hold) <= cost(begin)
     };
     match (held, begun) {
@@ -84,7 +84,7 @@ mod tests {
                 has_motion,
                 cost,
                 is_strained: cost > STRAIN,
-                is_as_promised: false,
+                is_likely: false,
             };
             costs.iter().map(one).collect::<Vec<_>>()
         };
@@ -124,10 +124,10 @@ mod tests {
     }
 
     #[test]
-    fn what_costs_as_promised_is_held_at_once() {
+    fn what_will_probably_hold_is_held_at_once() {
         let first = May { moved: 1, ..MAY };
         let mut sequences = waiting(&[4.0], &[6.0, 3.0]);
-        sequences[0].is_as_promised = true;
+        sequences[0].is_likely = true;
         assert_eq!(next(&sequences, first), Some(2), "it promises less");
         assert_eq!(next(&sequences[..2], first), Some(0));
     }

@@ -74,19 +74,19 @@ impl Run<'_> {
     /// Which of the sequences that wait has its turn. While the best of many is sought, one plan is enough.
     fn next(&self, has_choice: bool) -> Option<usize> {
         let waits = |(candidate, _): &(Candidate, Work)| {
-            let (states, promise) = (&candidate.sequence.states, candidate.promise);
+            let states = &candidate.sequence.states;
             match &candidate.coarse {
                 Some(coarse) => Waiting {
                     has_motion: true,
-                    cost: self.growth.expected_to_hold(states, coarse.cost),
-                    is_strained: self.growth.is_strained(promise, coarse.cost),
-                    is_as_promised: coarse.is_as_promised,
+                    cost: self.growth.expected_to_hold(states, &coarse.costs),
+                    is_strained: self.growth.is_strained(&coarse.costs),
+                    is_likely: coarse.is_likely,
                 },
                 None => Waiting {
                     has_motion: false,
-                    cost: self.growth.expected(states, promise),
+                    cost: self.growth.expected(states, candidate.promise),
                     is_strained: false,
-                    is_as_promised: false,
+                    is_likely: false,
                 },
             }
         };
@@ -115,7 +115,7 @@ impl Run<'_> {
     fn begin(&mut self, candidate: Candidate, work: Work) {
         let phases = self.phases(&candidate.sequence);
         let (number, labels) = (candidate.number, candidate.sequence.labels.clone());
-        let cost = candidate.coarse.as_ref().map(|coarse| coarse.cost);
+        let cost = candidate.coarse.as_ref().map(|coarse| coarse.costs.cost);
         let (pace, is_likely) = (candidate.pace(), candidate.is_likely());
         let path = match candidate.coarse {
             None => PATH * squared_phases(&candidate.sequence),

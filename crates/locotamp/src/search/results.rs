@@ -7,7 +7,7 @@ use super::candidate::{Candidate, Coarse, Work};
 use super::diverse::{Kept, loaded};
 use super::reward::Rewards;
 use super::workers::{Evaluated, Message, with_steps};
-use super::{Nearest, Run};
+use super::{Nearest, PATIENCE, Run};
 use crate::api::{Alternative, Attempt, Event, Found, Outcome, Reached, Request};
 use crate::journal::{self, PointEntry, Tried};
 use crate::refine::{self, Refined};
@@ -69,7 +69,10 @@ impl Run<'_> {
         });
         let costs = done.costs(candidate.promise);
         self.growth.found(&candidate.sequence.states, &costs);
-        if self.request.min_optimised > 0 {
+        if costs.lapse.is_serious() {
+            let reward = Rewards::of_failure(costs.lapse.force);
+            self.learn(&candidate.sequence.states, reward);
+        } else if self.request.min_optimised > 0 {
             let reward = self.coarse_rewards.of_plan(done.cost);
             self.learn(&candidate.sequence.states, reward);
         }
@@ -90,6 +93,7 @@ impl Run<'_> {
             cost: done.cost,
             objective: done.objective,
             dearest_phase: done.dearest_phase,
+            lapse: done.lapse,
             violation: done.violation,
             iterations: done.iterations,
             work: done.work,
@@ -97,13 +101,12 @@ impl Run<'_> {
             point: PointEntry::new(&done.steps, &point),
         });
         candidate.coarse = Some(Coarse {
-            cost: done.cost,
-            objective: done.objective,
+            costs,
             iterations: done.iterations,
             work: done.work,
             seconds: done.seconds,
             relative: done.relative,
-            is_as_promised: self.growth.is_as_promised(candidate.promise, done.cost),
+            is_likely: self.growth.is_likely(&costs),
         });
         let work = match &candidate.known {
             Some(tried) => Work::known(tried, done.work),
@@ -152,7 +155,7 @@ impl Run<'_> {
             (false, None) => Rewards::of_failure(done.violation),
         };
         if done.feasible {
-            self.found += 1;
+            (self.content_from).get_or_insert(PATIENCE * self.clock);
             let left = coarse
                 .as_ref()
                 .is_some_and(|coarse| coarse.is_left(done.cost, done.objective));
@@ -170,7 +173,7 @@ impl Run<'_> {
                     self.growth.failed(&sequence.states, &costs, worst);
                 }
                 (Some(coarse), Some(phase)) => {
-                    let effort = coarse.cost - coarse.objective;
+                    let effort = coarse.costs.effort;
                     self.growth.did_not_hold(&sequence.states, effort, phase);
                 }
                 _ => {}
@@ -357,7 +360,7 @@ impl Run<'_> {
                 labels: candidate.sequence.labels,
                 reached: Reached::Coarse,
                 reason: None,
-                cost: Some(coarse.cost),
+                cost: Some(coarse.costs.cost),
                 iterations: coarse.iterations,
                 seconds: coarse.seconds,
             });

@@ -117,6 +117,7 @@ impl UnderWay {
 mod tests {
     use super::super::candidate::Coarse;
     use super::*;
+    use crate::lapse::Lapse;
     use ocp::NEARLY_SOLVED;
     use symbolic::Sequence;
 
@@ -148,6 +149,7 @@ mod tests {
             reason: None,
             worst_phase: None,
             dearest_phase: None,
+            lapse: Lapse::default(),
             point: None,
             steps: vec![],
             plan: None,
@@ -176,15 +178,14 @@ mod tests {
 
     #[test]
     fn motions_on_the_finer_grid_advance_faster() {
-        let held = |number, is_as_promised| Candidate {
+        let held = |number, is_likely| Candidate {
             coarse: Some(Coarse {
-                cost: 1.0,
-                objective: 0.0,
+                costs: result(1).costs(1.0),
                 iterations: 1,
                 work: 1,
                 seconds: 0.0,
                 relative: None,
-                is_as_promised,
+                is_likely,
             }),
             ..candidate(number)
         };

@@ -4,6 +4,7 @@ use super::growth::Costs;
 use super::turns::Turns;
 use crate::api::Event;
 use crate::journal::{Coarse, PointEntry, Tried};
+use crate::lapse::Lapse;
 use crate::refine::{hold, on_finer_grid, on_which_it_holds};
 use crate::{export, summary};
 use ocp::{CostTerm, Motion, NEARLY_SOLVED, Phase, Planner, Point, Refinement, Relative, Settings};
@@ -57,6 +58,8 @@ pub(super) struct Evaluated {
     pub worst_phase: Option<usize>,
     /// Phase that costs most, from 0.
     pub dearest_phase: Option<usize>,
+    /// What it lacks between its nodes, if it must hold on a finer grid.
+    pub lapse: Lapse,
     pub point: Option<Point>,
     /// Its intervals per phase.
     pub steps: Vec<usize>,
@@ -80,6 +83,7 @@ impl Evaluated {
             reason: None,
             worst_phase: None,
             dearest_phase: known.dearest_phase,
+            lapse: known.lapse,
             steps: known.point.steps.clone(),
             point: Some(known.point.clone().into()),
             plan: None,
@@ -97,7 +101,9 @@ impl Evaluated {
         Costs {
             promise,
             cost: self.cost,
+            effort: self.cost - self.objective,
             dearest_phase: self.dearest_phase,
+            lapse: self.lapse,
         }
     }
 
@@ -115,6 +121,7 @@ impl Evaluated {
             reason: known.reason.clone(),
             worst_phase: known.failed_phase,
             dearest_phase: known.dearest_phase,
+            lapse: Lapse::default(),
             point: None,
             steps: vec![],
             plan: None,
@@ -285,8 +292,10 @@ impl Shop<'_> {
                 let good = motion.feasible || must_hold;
                 let relative = good.then(|| Arc::new(motion.relative()));
                 motion.feasible &= !must_hold;
+                let lapse = must_hold.then(|| Lapse::of(&mut motion));
                 Evaluated {
                     must_hold,
+                    lapse: lapse.unwrap_or_default(),
                     relative,
                     ..self.report(&job.labels, &mut motion)
                 }
@@ -350,6 +359,7 @@ impl Shop<'_> {
             reason: summary::resistance(scene, motion),
             worst_phase: motion.worst.as_ref().map(|w| w.phase),
             dearest_phase: dearest_phase(motion),
+            lapse: Lapse::default(),
             point: Some(motion.point.clone()),
             steps: motion.trajectory.program.steps.clone(),
             plan: motion.feasible.then(|| export::plan(scene, labels, motion)),
