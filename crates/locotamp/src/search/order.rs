@@ -6,7 +6,7 @@ const CHOICE: usize = 2;
 /// there are always some that promise less than they cost.
 const MOST_WAITING: usize = 3;
 /// The same with strained ones ([`super::growth`]), which hardly ever hold on a finer grid.
-const MOST_STRAINED: usize = 6;
+const MOST_STRAINED: usize = 10;
 
 /// A sequence that waits for its turn.
 #[derive(Debug, Clone, Copy)]
@@ -37,9 +37,9 @@ pub(super) struct May {
 /// The most promising one: whose motion on the coarse grid is likely to cost least, since postures at the edge of reach cost a lot,
 /// and make the optimiser's work hard; of equal ones the first.
 ///
-/// If that has its motion, it is tried on the finer grid; but not before there are some to choose from, unless it will
-/// probably hold or no other waits. If many have theirs, the cheapest of them is tried. Others are begun only if so many sequences have been drawn that
-/// there is a choice.
+/// What will probably hold is tried on the finer grid at once. What else has its motion is if it is the most promising, and there are some
+/// to choose from, or no other waits. If many have theirs, the cheapest of them is tried. Others are begun only if so many sequences have
+/// been drawn that there is a choice.
 pub(super) fn next(waiting: &[Waiting], may: May) -> Option<usize> {
     let cost = |n: usize| waiting[n].cost;
     let least = |has_motion: bool| {
@@ -53,8 +53,8 @@ pub(super) fn next(waiting: &[Waiting], may: May) -> Option<usize> {
     let are_many = motions().count() >= MOST_STRAINED
         || motions().filter(|w| !w.is_strained).count() >= MOST_WAITING;
     let is_chosen = |hold: usize, begin: usize| {
-        let has_others = may.moved >= CHOICE || waiting[hold].is_likely;
-        has_others && cost(hold) <= cost(begin)
+        let is_cheapest = may.moved >= CHOICE && cost(hold) <= cost(begin);
+        waiting[hold].is_likely || is_cheapest
     };
     match (held, begun) {
         (Some(hold), Some(begin)) if are_many || is_chosen(hold, begin) => Some(hold),
@@ -104,10 +104,10 @@ mod tests {
 
     #[test]
     fn strained_motions_wait_until_there_are_more_of_them() {
-        let five = [60.0, 55.0, 65.0, 61.0, 62.0];
-        assert_eq!(next(&waiting(&five, &[3.0]), MAY), Some(5));
-        let six = [five.as_slice(), &[70.0]].concat();
-        assert_eq!(next(&waiting(&six, &[3.0]), MAY), Some(1));
+        let few: Vec<f64> = (1..MOST_STRAINED).map(|n| STRAIN + n as f64).collect();
+        assert_eq!(next(&waiting(&few, &[3.0]), MAY), Some(few.len()));
+        let many = [few.as_slice(), &[STRAIN + 0.5]].concat();
+        assert_eq!(next(&waiting(&many, &[3.0]), MAY), Some(few.len()));
     }
 
     #[test]
@@ -128,8 +128,7 @@ mod tests {
         let first = May { moved: 1, ..MAY };
         let mut sequences = waiting(&[4.0], &[6.0, 3.0]);
         sequences[0].is_likely = true;
-        assert_eq!(next(&sequences, first), Some(2), "it promises less");
-        assert_eq!(next(&sequences[..2], first), Some(0));
+        assert_eq!(next(&sequences, first), Some(0), "whatever promises less");
     }
 
     #[test]
