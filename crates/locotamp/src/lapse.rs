@@ -3,7 +3,8 @@
 //! A few long intervals per phase with explicit Euler let a robot seem to do what no robot can: a lunge onto a platform gains from what
 //! the integrator leaves out, and costs less than a climb by way of a box. With accelerations and wrenches held from each node on, such
 //! a motion lacks forces of the order of the robot's weight between its nodes, or torques far beyond their limits: on the grid on which
-//! it must hold it has no motion, or becomes a contorted one (benches/runs/2026-11-28-lapses.md).
+//! it must hold it has no motion, or becomes a contorted one with a lapse there too, which is no plan: those that are lack less than a
+//! tenth of the weight (benches/runs/2026-11-28-lapses.md).
 
 use ocp::{Between, Motion};
 use serde::{Deserialize, Serialize};
@@ -65,6 +66,16 @@ impl Lapse {
     /// True if the motion will hardly hold on a finer grid as it is.
     pub(crate) fn is_serious(&self) -> bool {
         self.size() > 1.0
+    }
+
+    /// What is missing.
+    pub(crate) fn words(&self) -> String {
+        format!(
+            "between nodes, {:.0} % of a torque limit, and {:.0} % of the robot's weight missing at its base, in phase {}",
+            100.0 * self.torque,
+            100.0 * self.force,
+            self.phase + 1
+        )
     }
 
     /// True if the motion is likely to hold on a finer grid.

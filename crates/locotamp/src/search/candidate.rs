@@ -13,10 +13,6 @@ use symbolic::Sequence;
 /// that probably becomes one, hardly anything else is done (benches/runs/2026-11-28-all-threads.md).
 const HOLD_PACE: u64 = 3;
 const LIKELY_PACE: u64 = 16;
-/// What a motion costs more on the grid on which it holds than on the coarse one, in the cost of that, from which on it has become
-/// another one: half as much or less for most (benches/runs/2026-11-26-more-steps.md).
-const CHANGED: f64 = 0.5;
-
 /// A sequence whose keyframes exist.
 pub(super) struct Candidate {
     pub number: usize,
@@ -53,15 +49,6 @@ impl Candidate {
     /// True if its motion on the finer grid is likely to become a plan: it has all threads.
     pub fn is_likely(&self) -> bool {
         (self.coarse.as_ref()).is_some_and(|coarse| coarse.is_likely)
-    }
-}
-
-impl Coarse {
-    /// True if a motion on the finer grid at this cost, with this part for the scene's objective, has become another one, mostly a
-    /// contorted one.
-    pub fn is_left(&self, cost: f64, objective: f64) -> bool {
-        let (before, now) = (self.costs.effort, cost - objective);
-        now - before > CHANGED * before
     }
 }
 
@@ -104,36 +91,6 @@ impl Work {
             Self::Move(_) | Self::Hold(..) => 0,
             Self::Restore { work, .. } => *work,
             Self::Remembered(done) => done.work,
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::lapse::Lapse;
-
-    #[test]
-    fn a_motion_that_costs_half_as_much_again_on_the_finer_grid_has_become_another_one() {
-        let coarse = |effort: f64, objective: f64| Coarse {
-            costs: Costs {
-                promise: 0.0,
-                cost: effort + objective,
-                effort,
-                dearest_phase: None,
-                lapse: Lapse::default(),
-            },
-            iterations: 0,
-            work: 0,
-            seconds: 0.0,
-            relative: None,
-            is_likely: false,
-        };
-        for objective in [0.0, -80.0] {
-            for (before, now, left) in [(50.2, 96.6, true), (39.3, 46.8, false)] {
-                let is_left = coarse(before, objective).is_left(now + objective, objective);
-                assert_eq!(is_left, left, "{before}, {now}, {objective}");
-            }
         }
     }
 }

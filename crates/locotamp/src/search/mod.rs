@@ -61,8 +61,6 @@ const SEARCH_SHARE: f64 = 0.9;
 const REFINING: f64 = 0.6;
 /// Largest share of the search's time that is spent on more sequences once there is a plan.
 const CHOOSING_SHARE: f64 = 0.5;
-/// How long a plan that is not contorted is looked for, in what it took to the first one.
-const PATIENCE: u64 = 4;
 /// Largest share of the time limit that is kept for refining.
 const MOST_REFINING: f64 = 0.6;
 
@@ -165,8 +163,6 @@ pub fn plan(
             longer: Longer::default(),
             attempts: vec![],
             diverse: Diverse::new(request.solutions),
-            found_unchanged: false,
-            content_from: None,
             refined: None,
             coarse: None,
             aside: vec![],
@@ -278,10 +274,8 @@ struct Run<'a> {
     failures: Failures,
     longer: Longer,
     attempts: Vec<Attempt>,
-    /// The plans, whether one of them is about what it was on the coarse grid, and the clock from which on others do, too.
+    /// The plans.
     diverse: Diverse,
-    found_unchanged: bool,
-    content_from: Option<u64>,
     /// The best of them, refined.
     refined: Option<Found>,
     /// The best of those that cannot be refined, and all of these.
@@ -369,18 +363,11 @@ impl Run<'_> {
             Some("stopped by the caller".into())
         } else if self.is_after(self.deadline()) {
             Some(format!("time limit of {} s", request.time_limit))
-        } else if plans >= request.solutions && self.is_content() && !self.chooses() {
+        } else if plans >= request.solutions && !self.chooses() {
             Some(format!("{plans} plan(s) found, as asked for"))
         } else {
             None
         }
-    }
-
-    /// True unless all plans so far have become contorted on the finer grid. Those can hardly ever be refined, and trying takes as long
-    /// as many sequences do: others are tried first, for a while.
-    fn is_content(&self) -> bool {
-        let patient = self.content_from.is_some_and(|from| self.clock < from);
-        self.found_unchanged || !patient || self.is_after(CHOOSING_SHARE * self.deadline())
     }
 
     /// True after so many seconds of the run.

@@ -7,7 +7,7 @@ use super::candidate::{Candidate, Coarse, Work};
 use super::diverse::{Kept, loaded};
 use super::reward::Rewards;
 use super::workers::{Evaluated, Message, with_steps};
-use super::{Nearest, PATIENCE, Run};
+use super::{Nearest, Run};
 use crate::api::{Alternative, Attempt, Event, Found, Outcome, Reached, Request};
 use crate::journal::{self, PointEntry, Tried};
 use crate::refine::{self, Refined};
@@ -152,14 +152,9 @@ impl Run<'_> {
         let reward = match (done.feasible, &known) {
             (true, _) => self.rewards.of_plan(done.cost),
             (false, Some(known)) => known.reward,
-            (false, None) => Rewards::of_failure(done.violation),
+            (false, None) => Rewards::of_failure(done.violation.max(done.lapse.force)),
         };
         if done.feasible {
-            (self.content_from).get_or_insert(PATIENCE * self.clock);
-            let left = coarse
-                .as_ref()
-                .is_some_and(|coarse| coarse.is_left(done.cost, done.objective));
-            self.found_unchanged |= !left;
             self.failures.succeeded(&sequence.states);
             self.growth.holds(&sequence.states);
         } else {

@@ -58,7 +58,7 @@ pub(super) struct Evaluated {
     pub worst_phase: Option<usize>,
     /// Phase that costs most, from 0.
     pub dearest_phase: Option<usize>,
-    /// What it lacks between its nodes, if it must hold on a finer grid.
+    /// What it lacks between its nodes, if it must hold on a finer grid; on that, if so much that it is no motion.
     pub lapse: Lapse,
     pub point: Option<Point>,
     /// Its intervals per phase.
@@ -91,9 +91,10 @@ impl Evaluated {
         }
     }
 
-    /// Phase of the most violated row of a motion that is none; what is nearly one says nothing of what is possible.
+    /// Phase of the most violated row, or of the lapse, of a motion that is none; what is nearly one says nothing of what is possible.
     pub fn failed_phase(&self) -> Option<usize> {
-        self.worst_phase.filter(|_| self.violation > NEARLY_SOLVED)
+        let is_far_off = self.violation > NEARLY_SOLVED || self.lapse.is_serious();
+        self.worst_phase.filter(|_| is_far_off)
     }
 
     /// Its costs, where its keyframes promised this one.
@@ -311,9 +312,15 @@ impl Shop<'_> {
                     ..settings.clone()
                 };
                 let mut motion = hold(planner, phases, settings, (&coarse, grid), &mut watch);
+                let lapse = motion.feasible.then(|| Lapse::of(&mut motion));
+                let serious = lapse.filter(Lapse::is_serious);
+                motion.feasible &= serious.is_none();
                 let done = self.report(&job.labels, &mut motion);
+                let reason = serious.map(|lapse| lapse.words()).or(done.reason);
                 Evaluated {
-                    reason: done.reason.as_deref().map(on_finer_grid),
+                    reason: reason.as_deref().map(on_finer_grid),
+                    worst_phase: serious.map(|lapse| lapse.phase).or(done.worst_phase),
+                    lapse: serious.unwrap_or_default(),
                     ..done
                 }
             }
