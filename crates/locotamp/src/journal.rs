@@ -154,6 +154,9 @@ pub struct Tried {
     /// Phase that costs most, from 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dearest_phase: Option<usize>,
+    /// What a motion that holds but for that lacks between its nodes.
+    #[serde(default, skip_serializing_if = "Lapse::is_slight")]
+    pub lapse: Lapse,
     /// Largest violation (scaled rows) of the motion.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub violation: Option<f64>,

@@ -137,6 +137,7 @@ impl Run<'_> {
             done.worst_phase = tried.failed_phase;
             done.dearest_phase = tried.dearest_phase;
             done.violation = tried.violation.unwrap_or(done.violation);
+            done.lapse = tried.lapse;
         } else if let Some(coarse) = &coarse {
             done.iterations += coarse.iterations;
             done.work += coarse.work;
@@ -269,6 +270,7 @@ impl Run<'_> {
             cost: attempt.cost,
             failed_phase: motion.and_then(|m| m.worst_phase),
             dearest_phase: motion.and_then(|m| m.dearest_phase),
+            lapse: motion.map(|m| m.lapse).unwrap_or_default(),
             violation: motion.map(|m| m.violation),
             iterations: attempt.iterations,
             work: motion.map_or(0, |m| m.work),

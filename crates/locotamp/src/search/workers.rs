@@ -122,7 +122,7 @@ impl Evaluated {
             reason: known.reason.clone(),
             worst_phase: known.failed_phase,
             dearest_phase: known.dearest_phase,
-            lapse: Lapse::default(),
+            lapse: known.lapse,
             point: None,
             steps: vec![],
             plan: None,
