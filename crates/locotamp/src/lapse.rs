@@ -9,12 +9,14 @@
 use ocp::{Between, Motion};
 use serde::{Deserialize, Serialize};
 
+/// Gravity by which a robot's weight is meant: a scene may have another one, or none [m/s²].
+const GRAVITY: f64 = 9.81;
 /// Time between samples [s].
 const SAMPLE: f64 = 0.02;
 /// Torque over its limit between nodes from which on a lapse is serious, and up to which it is slight.
 const SERIOUS_TORQUE: f64 = 1.4;
 const SLIGHT_TORQUE: f64 = 1.1;
-/// The same of the force that is missing at the base, over the robot's weight.
+/// The same of the force that is missing at the base, over the robot's weight on Earth.
 const SERIOUS_FORCE: f64 = 1.0;
 const SLIGHT_FORCE: f64 = 0.6;
 
@@ -23,7 +25,7 @@ const SLIGHT_FORCE: f64 = 0.6;
 pub struct Lapse {
     /// Largest torque over its limit between the nodes; 0 without limits.
     pub torque: f64,
-    /// Largest force that is missing at the base, over the robot's weight.
+    /// Largest force that is missing at the base, over the robot's weight on Earth.
     pub force: f64,
     /// Where the larger of the two is, in what is serious: a phase, from 0.
     pub phase: usize,
@@ -39,7 +41,7 @@ impl Lapse {
         for t in 0..trajectory.program.n_intervals() {
             let between = trajectory.between_of(point, t, SAMPLE);
             let program = &trajectory.program;
-            let weight = program.system.robot_mass * program.system.model.gravity.norm();
+            let weight = program.system.robot_mass * GRAVITY;
             let limited = program.settings.torque_limits;
             let here = Self::new(&between, (weight, limited), program.phase_of(t));
             if here.size() > most.size() {

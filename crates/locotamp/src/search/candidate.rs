@@ -13,6 +13,7 @@ use symbolic::Sequence;
 /// that probably becomes one, hardly anything else is done (benches/runs/2026-11-28-all-threads.md).
 const HOLD_PACE: u64 = 3;
 const LIKELY_PACE: u64 = 16;
+
 /// A sequence whose keyframes exist.
 pub(super) struct Candidate {
     pub number: usize,
