@@ -235,14 +235,13 @@ pub(crate) fn own_cost(scene: &Scene) -> ExtraCost {
         }
         Owner::Static(_) => i.body_from_interface.rotate(Vector3::z()).z > UPWARD,
     };
-    // Where the base is to get high, long strides are what may help.
-    let strides = (scene.objective != Objective::BaseHeight).then(|| Strides::new(scene));
+    let strides = Strides::new(scene);
     let steep: Vec<bool> = scene.interfaces.iter().map(|i| !faces_up(i)).collect();
     Box::new(move |step: &Step<'_>| {
         let domain = step.graph.domain();
         let is_foot = |i| domain.is_effector(i, symbolic::Role::Foot);
         let after = step.graph.state(step.to.state);
-        let effort = |from, to| strides.as_ref().map_or(0.0, |s| s.effort(from, to));
+        let effort = |from, to| strides.effort(from, to);
         let cost = |c: &Contact| {
             let least = |standing: &mut dyn Iterator<Item = Contact>| {
                 let others = standing.filter(|o| is_foot(o.a) && o.a != c.a);

@@ -41,13 +41,22 @@ impl Strides {
             _ => 0.0,
         };
         let all = 0..surfaces.len();
-        let to_all = |a| all.clone().map(|b| effort(a, b)).collect();
+        let most_to = |b| all.clone().map(|a| effort(a, b)).fold(0.0, f64::max);
+        let most: Vec<f64> = all.clone().map(most_to).collect();
+        let from = |a: usize| {
+            let to = |b| match surfaces[a] {
+                Some(_) => effort(a, b),
+                None => most[b],
+            };
+            all.clone().map(to).collect()
+        };
         Self {
-            efforts: all.clone().map(to_all).collect(),
+            efforts: all.clone().map(from).collect(),
         }
     }
 
-    /// Cost of setting a foot on `to` while another one stands on `from` [phases].
+    /// Cost of setting a foot on `to` while another one stands on `from` [phases]. From what does not face up, such as a wall, as much
+    /// as from where it is farthest.
     pub fn effort(&self, from: usize, to: usize) -> f64 {
         self.efforts[from][to]
     }

@@ -5,7 +5,7 @@
 
 use super::Run;
 use ocp::{Keyframes, Phase};
-use scene::Role;
+use scene::{Owner, Role};
 use std::collections::BTreeMap;
 use symbolic::{Contact, ContactState, Sequence};
 
@@ -88,7 +88,7 @@ impl Run<'_> {
     }
 
     fn after_round(&self, sequence: &Sequence, (at, first): Round) -> Sequence {
-        let mut feet = self.feet(&sequence.states[at]);
+        let mut feet = self.stance(&sequence.states, at);
         feet.rotate_left(first);
         sequence.with_swings(self.policy.graph().domain(), at, &feet)
     }
@@ -96,15 +96,17 @@ impl Run<'_> {
     /// The least that another round promises, if it is less than so far.
     fn one_more_round(&self, now: &Promise) -> Option<(Promise, Round)> {
         let mut best: Option<(Promise, Round)> = None;
+        let states = &now.sequence.states;
         for at in self.strained(now) {
-            let n = self.feet(&now.sequence.states[at]).len();
-            if now.sequence.states.len() + 2 * n > self.policy.max_phases() {
+            let n = self.stance(states, at).len();
+            let orders = self.feet(&states[at]).len();
+            if states.len() + 2 * n > self.policy.max_phases() {
                 return None;
             }
-            for first in 0..n {
+            for first in 0..orders {
                 let round = (at, first);
                 let sequence = self.after_round(&now.sequence, round);
-                let Some((cost, nodes)) = self.promise_of_longer(&sequence, now, round, n) else {
+                let Some((cost, nodes)) = self.promise_of_longer(&sequence, now, at) else {
                     continue;
                 };
                 let least = best
@@ -130,12 +132,12 @@ impl Run<'_> {
         &self,
         longer: &Sequence,
         without: &Promise,
-        (at, _): Round,
-        swings: usize,
+        at: usize,
     ) -> Option<(f64, Vec<Vec<f64>>)> {
         let phases = self.phases(longer);
+        let more = longer.states.len() - without.sequence.states.len();
         let (before, after) = without.nodes.split_at(at + 1);
-        let stance = vec![after[0].clone(); 2 * swings];
+        let stance = vec![after[0].clone(); more];
         let guess: Vec<Vec<f64>> = before.iter().chain(&stance).chain(after).cloned().collect();
         let (planner, settings) = (self.shop.planner, self.shop.settings);
         let promise = |found: Keyframes| {
@@ -147,8 +149,9 @@ impl Run<'_> {
             .or_else(|| promise(planner.keyframes_at_once(&phases, settings)))
     }
 
-    /// First stances on all feet between two other changes, where the robot leans beyond what is easy before the next one: those of
-    /// the farthest leans first. None on a single foot.
+    /// Where the feet are set anew: between two other changes where the robot leans beyond what is easy before the next one, or later on
+    /// what it carries meanwhile. There the first stance on all feet, or, with something in its hands, that which it has. Those of the
+    /// farthest leans first. None on a single foot.
     fn strained(&self, promise: &Promise) -> Vec<usize> {
         let states = &promise.sequence.states;
         let phases = self.phases(&promise.sequence);
@@ -158,14 +161,18 @@ impl Run<'_> {
             let is_other = |c: &Contact| !self.is_foot(c);
             states[k].iter().filter(is_other).collect()
         };
+        let most = |leans: &mut dyn Iterator<Item = f64>| leans.fold(0.0, f64::max);
         let mut places: Vec<(usize, f64)> = vec![];
         let mut first = 0;
-        while first < states.len() {
+        while first < states.len() && all > 1 {
             let same = |&k: &usize| others(k) == others(first);
             let end = first + (first..states.len()).take_while(same).count();
-            let stance = (first..end).find(|&k| all > 1 && self.feet(&states[k]).len() == all);
-            let lean = leans.get(first..end).into_iter().flatten();
-            let lean = lean.copied().fold(0.0, f64::max);
+            let carried = self.carried(&states[first]);
+            let own = leans.get(first..end).into_iter().flatten().copied();
+            let later = (end..leans.len()).filter(|&k| self.stands_on(&states[k], &carried));
+            let lean = most(&mut own.chain(later.map(|k| leans[k])));
+            let on = |feet: usize| (first..end).find(|&k| self.feet(&states[k]).len() >= feet);
+            let stance = on(all).or_else(|| on(1).filter(|_| !carried.is_empty()));
             places.extend(stance.filter(|_| lean > FAR_LEAN).map(|k| (k, lean)));
             first = end;
         }
@@ -173,13 +180,40 @@ impl Run<'_> {
         places.into_iter().map(|(k, _)| k).take(PLACES).collect()
     }
 
-    /// Leans of the robot at the phase boundaries; none where the base is to get high.
-    pub(super) fn leans(&self, phases: &[Phase], nodes: &[Vec<f64>]) -> Vec<f64> {
-        let planner = self.shop.planner;
-        if planner.scene.objective == scene::Objective::BaseHeight {
-            return vec![];
+    /// Objects that the robot has in its hands and that rest on nothing.
+    fn carried(&self, state: &ContactState) -> Vec<Owner> {
+        let owner = |i: symbolic::InterfaceId| self.shop.planner.scene.interfaces[i.0].owner;
+        let pairs = || state.iter().map(|c| (owner(c.a), owner(c.b)));
+        let rests = |object: &Owner| pairs().any(|(a, _)| a == *object);
+        let held = pairs().filter_map(|(a, b)| match (a, b) {
+            (Owner::Robot { .. }, Owner::Object(_)) => Some(b),
+            _ => None,
+        });
+        held.filter(|object| !rests(object)).collect()
+    }
+
+    /// True if a foot stands on one of the objects.
+    fn stands_on(&self, state: &ContactState, objects: &[Owner]) -> bool {
+        let owner = |c: &Contact| self.shop.planner.scene.interfaces[c.b.0].owner;
+        self.feet(state).iter().any(|c| objects.contains(&owner(c)))
+    }
+
+    /// Contacts of all feet in a phase; of those in the air, the last that they had.
+    fn stance(&self, states: &[ContactState], at: usize) -> Vec<Contact> {
+        let before = states[..=at].iter().rev();
+        let mut stance: Vec<Contact> = vec![];
+        for contact in before.flat_map(|state| self.feet(state)) {
+            if stance.iter().all(|c| c.a != contact.a) {
+                stance.push(contact);
+            }
         }
-        planner.leans(phases, nodes)
+        stance.sort();
+        stance
+    }
+
+    /// Leans of the robot at the phase boundaries.
+    pub(super) fn leans(&self, phases: &[Phase], nodes: &[Vec<f64>]) -> Vec<f64> {
+        self.shop.planner.leans(phases, nodes)
     }
 
     fn is_foot(&self, contact: &Contact) -> bool {

@@ -43,7 +43,7 @@ const STRAIN: f64 = 16.0;
 /// Lean at phase boundaries up to which a stride can be done slowly ([`ocp::Planner::leans`]), and beyond which it is as good as
 /// infinite; what lean between these adds: the stride past a stone or stair as much as the step onto it.
 const EASY_LEAN: f64 = 0.28;
-const MOST_LEAN: f64 = 2.0;
+const MOST_LEAN: f64 = 4.0;
 const LEAN: f64 = 30.0;
 /// What a phase in flight adds: as much as six foot swings, like [`symbolic::Costs`]. Keyframes see none of what a jump takes.
 const FLIGHT: f64 = 18.0;
@@ -159,7 +159,7 @@ impl Run<'_> {
     /// True if so many sequences have been drawn since the last submission as are wanted for the next, or drawing takes long.
     pub fn has_choice(&self) -> bool {
         let draws = match self.submitted {
-            0 => 1,
+            0 if self.shop.planner.scene.objective == Objective::Time => 1,
             _ if self.chooses() => DRAWS_TO_CHOOSE,
             _ => DRAWS,
         };

@@ -39,7 +39,7 @@ enum Manner {
     Further,
     /// Short steps: slower, with other local minima.
     Careful,
-    /// Hardly: the guess satisfies everything.
+    /// The same with as many as it takes: the guess satisfies everything.
     Known,
 }
 
@@ -420,15 +420,10 @@ impl<'a> Ask<'a> {
         };
         let manner = match self.manner {
             Manner::Swift | Manner::Further => swift,
-            Manner::Careful => Options::default(),
-            Manner::Known => Options {
-                initial_barrier: 1e-4,
-                bound_push: 1e-4,
-                ..swift
-            },
+            Manner::Careful | Manner::Known => Options::default(),
         };
         Options {
-            max_iterations: if self.manner == Manner::Known { 40 } else { 80 },
+            max_iterations: if self.manner == Manner::Known { 250 } else { 80 },
             stall_iterations: 25, // cheap, and to refuse a possible sequence is expensive
             feasibility_tolerance: if lone { 0.5 * KEYFRAME_TOLERANCE } else { 1e-6 },
             dual_tolerance: optimality,

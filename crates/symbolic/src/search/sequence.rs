@@ -42,22 +42,32 @@ impl Sequence {
 }
 
 impl Sequence {
-    /// The sequence with swings in phase `at`, one after the other: each foot leaves what it stands on, and is set down on it anew.
+    /// The sequence with swings in phase `at`, one after the other: each foot leaves what it stands on, and is set down on it anew. Feet
+    /// that are in the air in that phase are set down first, and leave again in the end: then the others swing.
     /// Legal where another foot stands. The cost stays that of the sequence without them.
     #[must_use]
     pub fn with_swings(&self, domain: &Domain, at: usize, feet: &[Contact]) -> Self {
-        let stance = &self.states[at];
-        let mut longer = self.clone();
-        let mut next = at + 1;
-        for foot in feet {
-            let lifted: ContactState = stance.iter().filter(|c| c != foot).collect();
-            for (before, after) in [(stance, &lifted), (&lifted, stance)] {
-                let label = Action::between(before, after).describe(domain);
-                longer.states.insert(next, after.clone());
-                longer.labels.insert(next, label);
-                next += 1;
-            }
+        let here = &self.states[at];
+        let stance: ContactState = here.iter().chain(feet.iter().copied()).collect();
+        let mut more = vec![];
+        if stance != *here {
+            more.push(stance.clone());
         }
+        for foot in feet.iter().filter(|foot| here.contains(foot)) {
+            let lifted = stance.iter().filter(|c| c != foot).collect();
+            more.extend([lifted, stance.clone()]);
+        }
+        if stance != *here {
+            more.push(here.clone());
+        }
+        let before = std::iter::once(here).chain(&more);
+        let labels: Vec<String> = before
+            .zip(&more)
+            .map(|(before, after)| Action::between(before, after).describe(domain))
+            .collect();
+        let mut longer = self.clone();
+        longer.states.splice(at + 1..at + 1, more);
+        longer.labels.splice(at + 1..at + 1, labels);
         longer
     }
 }
