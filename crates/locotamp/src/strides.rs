@@ -252,5 +252,10 @@ mod tests {
         );
         assert!(first > 0.0 && second > 0.0);
         assert!(first + second < direct, "{first} + {second} < {direct}");
+        let by_a_wall = effort("box_left", "platform_top");
+        assert_eq!(
+            by_a_wall, direct,
+            "a foot on the wall of the box saves nothing"
+        );
     }
 }

@@ -4,7 +4,7 @@ use crate::fixtures::{id, one_box, standing};
 use crate::problems::{NATURAL, best_first, pick_place, take, two_box, with_goal};
 use symbolic::search::{AcceptAll, default_phases};
 use symbolic::{
-    BestFirst, ContactState, Costs, Ending, Goal, GraphOptions, Oracle, Policy, Rollouts,
+    BestFirst, Contact, ContactState, Costs, Ending, Goal, GraphOptions, Oracle, Policy, Rollouts,
     SearchLimits, Sequence, SkeletonGraph, Status, Verdict,
 };
 
@@ -45,6 +45,34 @@ fn swings_put_into_a_sequence_make_one_that_the_search_finds_too() {
     assert_eq!(longer.labels, found.labels);
     assert_eq!(longer.states, found.states);
     assert_eq!(longer.skeleton, found.skeleton);
+}
+
+#[test]
+fn a_foot_in_the_air_is_set_down_before_the_other_swings_and_leaves_again() {
+    let graph = pick_place();
+    let domain = graph.domain().clone();
+    let sequences = take(&mut best_first(graph), 40, &mut AcceptAll);
+    let found = sequences.iter().find(|s| s.labels == NATURAL);
+    let natural = found.expect("it is among the first");
+    let at = natural.labels.iter().position(|l| l.contains(" off "));
+    let at = at.expect("a foot swings");
+    let (stance, swing) = (&natural.states[at - 1], &natural.states[at]);
+    let is_foot = |c: &Contact| {
+        ["left_foot", "right_foot"]
+            .map(|name| id(&domain, name))
+            .contains(&c.a)
+    };
+    let feet: Vec<Contact> = stance.iter().filter(is_foot).collect();
+    let stands = |c: &&Contact| swing.contains(c);
+    let standing = *feet.iter().find(stands).expect("one stands");
+    let other: ContactState = stance.iter().filter(|c| *c != standing).collect();
+    let longer = natural.with_swings(&domain, at, &feet);
+    let expected = [swing, stance, &other, stance, swing].map(Clone::clone);
+    assert_eq!(longer.states[at..at + 5], expected);
+    assert_eq!(longer.states[..at], natural.states[..at]);
+    assert_eq!(longer.states[at + 4..], natural.states[at..]);
+    assert_eq!(longer.labels[at + 4], natural.labels[at]);
+    assert_eq!(longer.labels.len(), longer.states.len());
 }
 
 #[test]

@@ -17,6 +17,7 @@ mod places;
 mod proposals;
 mod results;
 mod reward;
+mod stances;
 mod turns;
 mod under_way;
 mod workers;

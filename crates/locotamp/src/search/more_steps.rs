@@ -4,10 +4,10 @@
 //! Feet are set anew where the robot leans most, once each, as long as the keyframes of the longer sequence promise less.
 
 use super::Run;
+use super::stances::Stances;
 use ocp::{Keyframes, Phase};
-use scene::{Owner, Role};
 use std::collections::BTreeMap;
-use symbolic::{Contact, ContactState, Sequence};
+use symbolic::{ContactState, Sequence};
 
 /// How often the feet are set anew at most.
 const MOST_ROUNDS: usize = 6;
@@ -15,8 +15,6 @@ const MOST_ROUNDS: usize = 6;
 const PLACES: usize = 2;
 /// What a round must save of the promised cost: its time is more than the half second per phase that is promised.
 const SAVING: f64 = 5.0;
-/// Lean from which on more steps are looked for.
-const FAR_LEAN: f64 = 0.42;
 
 /// A sequence, the cost that its keyframes promise, and these.
 pub(super) struct Promise {
@@ -88,7 +86,7 @@ impl Run<'_> {
     }
 
     fn after_round(&self, sequence: &Sequence, (at, first): Round) -> Sequence {
-        let mut feet = self.stance(&sequence.states, at);
+        let mut feet = self.stances().whole(&sequence.states, at);
         feet.rotate_left(first);
         sequence.with_swings(self.policy.graph().domain(), at, &feet)
     }
@@ -96,10 +94,10 @@ impl Run<'_> {
     /// The least that another round promises, if it is less than so far.
     fn one_more_round(&self, now: &Promise) -> Option<(Promise, Round)> {
         let mut best: Option<(Promise, Round)> = None;
-        let states = &now.sequence.states;
-        for at in self.strained(now) {
-            let n = self.stance(states, at).len();
-            let orders = self.feet(&states[at]).len();
+        let (states, stances) = (&now.sequence.states, self.stances());
+        for at in self.places(now) {
+            let n = stances.whole(states, at).len();
+            let orders = stances.feet(&states[at]).len();
             if states.len() + 2 * n > self.policy.max_phases() {
                 return None;
             }
@@ -149,79 +147,21 @@ impl Run<'_> {
             .or_else(|| promise(planner.keyframes_at_once(&phases, settings)))
     }
 
-    /// Where the feet are set anew: between two other changes where the robot leans beyond what is easy before the next one, or later on
-    /// what it carries meanwhile. There the first stance on all feet, or, with something in its hands, that which it has. Those of the
-    /// farthest leans first. None on a single foot.
-    fn strained(&self, promise: &Promise) -> Vec<usize> {
-        let states = &promise.sequence.states;
+    /// Where the feet are set anew, at most [`PLACES`].
+    fn places(&self, promise: &Promise) -> Vec<usize> {
         let phases = self.phases(&promise.sequence);
         let leans = self.leans(&phases, &promise.nodes);
-        let all = self.feet(&states[0]).len();
-        let others = |k: usize| -> Vec<Contact> {
-            let is_other = |c: &Contact| !self.is_foot(c);
-            states[k].iter().filter(is_other).collect()
-        };
-        let most = |leans: &mut dyn Iterator<Item = f64>| leans.fold(0.0, f64::max);
-        let mut places: Vec<(usize, f64)> = vec![];
-        let mut first = 0;
-        while first < states.len() && all > 1 {
-            let same = |&k: &usize| others(k) == others(first);
-            let end = first + (first..states.len()).take_while(same).count();
-            let carried = self.carried(&states[first]);
-            let own = leans.get(first..end).into_iter().flatten().copied();
-            let later = (end..leans.len()).filter(|&k| self.stands_on(&states[k], &carried));
-            let lean = most(&mut own.chain(later.map(|k| leans[k])));
-            let on = |feet: usize| (first..end).find(|&k| self.feet(&states[k]).len() >= feet);
-            let stance = on(all).or_else(|| on(1).filter(|_| !carried.is_empty()));
-            places.extend(stance.filter(|_| lean > FAR_LEAN).map(|k| (k, lean)));
-            first = end;
-        }
-        places.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-        places.into_iter().map(|(k, _)| k).take(PLACES).collect()
+        let mut places = self.stances().strained(&promise.sequence.states, &leans);
+        places.truncate(PLACES);
+        places
     }
 
-    /// Objects that the robot has in its hands and that rest on nothing.
-    fn carried(&self, state: &ContactState) -> Vec<Owner> {
-        let owner = |i: symbolic::InterfaceId| self.shop.planner.scene.interfaces[i.0].owner;
-        let pairs = || state.iter().map(|c| (owner(c.a), owner(c.b)));
-        let rests = |object: &Owner| pairs().any(|(a, _)| a == *object);
-        let held = pairs().filter_map(|(a, b)| match (a, b) {
-            (Owner::Robot { .. }, Owner::Object(_)) => Some(b),
-            _ => None,
-        });
-        held.filter(|object| !rests(object)).collect()
-    }
-
-    /// True if a foot stands on one of the objects.
-    fn stands_on(&self, state: &ContactState, objects: &[Owner]) -> bool {
-        let owner = |c: &Contact| self.shop.planner.scene.interfaces[c.b.0].owner;
-        self.feet(state).iter().any(|c| objects.contains(&owner(c)))
-    }
-
-    /// Contacts of all feet in a phase; of those in the air, the last that they had.
-    fn stance(&self, states: &[ContactState], at: usize) -> Vec<Contact> {
-        let before = states[..=at].iter().rev();
-        let mut stance: Vec<Contact> = vec![];
-        for contact in before.flat_map(|state| self.feet(state)) {
-            if stance.iter().all(|c| c.a != contact.a) {
-                stance.push(contact);
-            }
-        }
-        stance.sort();
-        stance
+    fn stances(&self) -> Stances<'_> {
+        Stances::new(self.shop.planner.scene)
     }
 
     /// Leans of the robot at the phase boundaries.
     pub(super) fn leans(&self, phases: &[Phase], nodes: &[Vec<f64>]) -> Vec<f64> {
         self.shop.planner.leans(phases, nodes)
-    }
-
-    fn is_foot(&self, contact: &Contact) -> bool {
-        self.shop.planner.scene.interfaces[contact.a.0].role == Role::Foot
-    }
-
-    /// Contacts of feet in a state.
-    fn feet(&self, state: &ContactState) -> Vec<Contact> {
-        state.iter().filter(|c| self.is_foot(c)).collect()
     }
 }

@@ -156,7 +156,8 @@ impl Run<'_> {
         });
     }
 
-    /// True if so many sequences have been drawn since the last submission as are wanted for the next, or drawing takes long.
+    /// True if so many sequences have been drawn since the last submission as are wanted for the next, or drawing takes long. The first
+    /// is begun at once, unless the scene rewards something: then some reach far less than others.
     pub fn has_choice(&self) -> bool {
         let draws = match self.submitted {
             0 if self.shop.planner.scene.objective == Objective::Time => 1,

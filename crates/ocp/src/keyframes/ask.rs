@@ -423,7 +423,11 @@ impl<'a> Ask<'a> {
             Manner::Careful | Manner::Known => Options::default(),
         };
         Options {
-            max_iterations: if self.manner == Manner::Known { 250 } else { 80 },
+            max_iterations: if self.manner == Manner::Known {
+                250
+            } else {
+                80
+            },
             stall_iterations: 25, // cheap, and to refuse a possible sequence is expensive
             feasibility_tolerance: if lone { 0.5 * KEYFRAME_TOLERANCE } else { 1e-6 },
             dual_tolerance: optimality,

@@ -66,8 +66,9 @@ impl Sequence {
             .map(|(before, after)| Action::between(before, after).describe(domain))
             .collect();
         let mut longer = self.clone();
-        longer.states.splice(at + 1..at + 1, more);
-        longer.labels.splice(at + 1..at + 1, labels);
+        let next = at + 1;
+        longer.states.splice(next..next, more);
+        longer.labels.splice(next..next, labels);
         longer
     }
 }
