@@ -19,6 +19,8 @@ const STRAINED: f64 = 2.0;
 /// The same up to which it is as promised, and worth trying on the finer grid before there is another to choose from
 /// (benches/runs/2026-11-28-due-results.md).
 const AS_PROMISED: f64 = 1.4;
+/// Share of the most that others get, where the scene rewards something, that is worth the same.
+const ENOUGH: f64 = 0.9;
 /// Promises below this count as this much: a few steps more or less of so short a motion say nothing.
 const LEAST_PROMISE: f64 = 10.0;
 /// What a failure adds to the cost that is expected of others at its place, in what was promised; on the finer grid, in what its coarse
@@ -31,6 +33,8 @@ pub(super) struct Growth {
     places: Places,
     /// The scene rewards something: what keyframes promise of that is another number than what motions get.
     has_reward: bool,
+    /// The most that a motion on the coarse grid gets of that.
+    most_reward: f64,
     /// What motions that are not strained cost more than promised.
     usual: Vec<f64>,
     /// The least that strained ones cost more, by their dearest phase.
@@ -59,6 +63,13 @@ pub(super) struct Costs {
     pub lapse: Lapse,
 }
 
+impl Costs {
+    /// What it gets for the scene's objective.
+    fn reward(&self) -> f64 {
+        self.effort - self.cost
+    }
+}
+
 impl Growth {
     /// Nothing is known of a scene.
     pub fn new(places: Places, objective: &Objective) -> Self {
@@ -74,10 +85,12 @@ impl Growth {
         self.is_within(STRAINED, costs) == Some(false) || costs.lapse.is_serious()
     }
 
-    /// True if a motion will probably hold on a finer grid as it is.
+    /// True if a motion will probably hold on a finer grid as it is, and where the scene rewards something gets about as much as others.
     pub fn is_likely(&self, costs: &Costs) -> bool {
         let as_promised = self.is_within(AS_PROMISED, costs);
-        as_promised.unwrap_or(costs.lapse.is_slight()) && !costs.lapse.is_serious()
+        let gets_enough = costs.reward() >= ENOUGH * self.most_reward;
+        let probably = as_promised.unwrap_or(costs.lapse.is_slight() && gets_enough);
+        probably && !costs.lapse.is_serious()
     }
 
     /// Does a motion cost at most so many times what its keyframes promised? Not told where the scene rewards something.
@@ -87,6 +100,7 @@ impl Growth {
 
     /// Takes note of a motion on the coarse grid and its costs.
     pub fn found(&mut self, states: &[ContactState], costs: &Costs) {
+        self.most_reward = self.most_reward.max(costs.reward());
         if self.is_strained(costs) {
             self.strained_at(states, costs);
         } else {
@@ -281,6 +295,20 @@ mod tests {
         assert!(time.is_likely(&with(middling)) && !height.is_likely(&with(middling)));
         let serious = lapsed(20.0, 20.0, 0);
         assert!(!time.is_likely(&serious) && !height.is_likely(&serious));
+    }
+
+    #[test]
+    fn what_gets_much_less_than_another_motion_is_not_likely() {
+        let mut growth = Growth::new(Places::default(), &Objective::BaseHeight);
+        let with_reward = |reward| Costs {
+            effort: 20.0,
+            ..costs(0.0, 20.0 - reward, 0)
+        };
+        let low = with_reward(50.0);
+        assert!(growth.is_likely(&low), "there is no other");
+        growth.found(&sequence(&[1, 2]), &with_reward(75.0));
+        assert!(!growth.is_likely(&low));
+        assert!(growth.is_likely(&with_reward(70.0)));
     }
 
     #[test]

@@ -6,6 +6,7 @@
 use super::Run;
 use super::stances::Stances;
 use ocp::{Keyframes, Phase};
+use scene::Objective;
 use std::collections::BTreeMap;
 use symbolic::{ContactState, Sequence};
 
@@ -55,6 +56,18 @@ impl Run<'_> {
         let drawn = self.longer.0.get(states);
         let states = drawn.map_or(states, |drawn| &drawn.states);
         self.policy.learn(states, reward);
+    }
+
+    /// The sequence without swings in place at its end, which bring the base no higher where that is all that is asked for.
+    pub(super) fn without_idle_end(&self, drawn: &Sequence) -> Sequence {
+        let scene = self.shop.planner.scene;
+        let mut sequence = drawn.clone();
+        if scene.objective == Objective::BaseHeight && scene.goal_regions.is_empty() {
+            let needed = self.stances().idle_after(&drawn.states);
+            sequence.states.truncate(needed);
+            sequence.labels.truncate(needed);
+        }
+        sequence
     }
 
     /// The sequence with as many steps as pay; it does not become another that is tried.

@@ -37,18 +37,20 @@ pub(super) struct May {
 /// The most promising one: whose motion on the coarse grid is likely to cost least, since postures at the edge of reach cost a lot,
 /// and make the optimiser's work hard; of equal ones the first.
 ///
-/// What will probably hold is tried on the finer grid at once. What else has its motion is if it is the most promising, and there are some
+/// What will probably hold is tried on the finer grid at once, before what costs less and will hardly. What else has its motion is if it is the most promising, and there are some
 /// to choose from, or no other waits. If many have theirs, the cheapest of them is tried. Others are begun only if so many sequences have
 /// been drawn that there is a choice.
 pub(super) fn next(waiting: &[Waiting], may: May) -> Option<usize> {
     let cost = |n: usize| waiting[n].cost;
-    let least = |has_motion: bool| {
+    let least = |counts: &dyn Fn(&Waiting) -> bool| {
         (0..waiting.len())
-            .filter(|&n| waiting[n].has_motion == has_motion)
+            .filter(|&n| counts(&waiting[n]))
             .min_by(|&a, &b| cost(a).total_cmp(&cost(b)))
     };
-    let begun = least(false).filter(|_| may.move_one);
-    let held = least(true).filter(|_| may.hold_one);
+    let likely = least(&|w| w.has_motion && w.is_likely);
+    let held = likely.or_else(|| least(&|w| w.has_motion));
+    let held = held.filter(|_| may.hold_one);
+    let begun = least(&|w| !w.has_motion).filter(|_| may.move_one);
     let motions = || waiting.iter().filter(|w| w.has_motion);
     let are_many = motions().count() >= MOST_STRAINED
         || motions().filter(|w| !w.is_strained).count() >= MOST_WAITING;
@@ -129,6 +131,9 @@ mod tests {
         let mut sequences = waiting(&[4.0], &[6.0, 3.0]);
         sequences[0].is_likely = true;
         assert_eq!(next(&sequences, first), Some(0), "whatever promises less");
+        let mut two = waiting(&[4.0, 5.0], &[6.0]);
+        two[1].is_likely = true;
+        assert_eq!(next(&two, MAY), Some(1), "whatever motion costs less");
     }
 
     #[test]

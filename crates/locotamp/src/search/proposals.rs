@@ -187,12 +187,14 @@ impl Run<'_> {
             number,
             labels: sequence.labels.clone(),
         });
-        if let Some(other) = self.longer.number_of(&sequence) {
-            self.leave_out_same(number, sequence, other);
+        let returned = sequence;
+        let drawn = self.without_idle_end(&returned);
+        if let Some(other) = self.longer.number_of(&drawn) {
+            self.leave_out_same(number, returned, other);
             return true;
         }
-        self.spend(KEYFRAMES * squared_phases(&sequence));
-        let drawn = sequence;
+        self.longer.note(number, &returned, &drawn);
+        self.spend(KEYFRAMES * squared_phases(&drawn));
         let sequence = self.with_remembered_steps(&drawn);
         let states = self.names(&sequence);
         let journal = &mut self.checks.journal;
@@ -221,7 +223,7 @@ impl Run<'_> {
         if sequence.states.len() > drawn.states.len() {
             self.spend(MORE_STEPS * squared_phases(&sequence));
         }
-        self.longer.note(number, &drawn, &sequence);
+        self.longer.note(number, &returned, &sequence);
         let candidate = Candidate {
             number,
             sequence,
@@ -340,7 +342,7 @@ impl Run<'_> {
         self.conclude(sequence, attempt, reward::LEFT_OUT, None);
     }
 
-    /// The same for one that another has become by more steps: it is tried already.
+    /// The same for one that another has become by more steps, or fewer at the end: it is tried already.
     fn leave_out_same(&mut self, number: usize, sequence: Sequence, other: usize) {
         self.policy.learn(&sequence.states, reward::LEFT_OUT);
         self.count(Attempt {
@@ -348,7 +350,7 @@ impl Run<'_> {
             labels: sequence.labels,
             reached: Reached::Alike,
             reason: Some(format!(
-                "sequence {other} is the same, with more steps than it was drawn with"
+                "sequence {other} is the same, with other steps than one of them was drawn with"
             )),
             cost: None,
             iterations: 0,

@@ -63,6 +63,25 @@ impl<'a> Stances<'a> {
         places.into_iter().map(|(k, _)| k).collect()
     }
 
+    /// The number of phases after which feet only leave what they stand on and are set down on it again.
+    pub fn idle_after(&self, states: &[ContactState]) -> usize {
+        let Some((last, before)) = states.split_last() else {
+            return 0;
+        };
+        let is_idle = |state: &ContactState| {
+            let more = last.iter().filter(|c| !state.contains(c));
+            more.into_iter().all(|c| self.is_foot(&c)) && state.iter().all(|c| last.contains(&c))
+        };
+        let idle = before
+            .iter()
+            .rev()
+            .take_while(|state| is_idle(state))
+            .count();
+        let first = before.len() - idle;
+        let same = |k: &usize| states[*k] == *last;
+        1 + (first..states.len()).find(same).unwrap_or(before.len())
+    }
+
     /// Objects that the robot has hold of and that rest on nothing.
     fn carried(&self, state: &ContactState) -> Vec<Owner> {
         let owner = |i: symbolic::InterfaceId| self.scene.interfaces[i.0].owner;
@@ -138,6 +157,23 @@ mod tests {
         assert_eq!(stances.strained(&states, &leans(4)), [4]);
         assert_eq!(stances.strained(&states, &leans(0)), [0]);
         assert!(stances.strained(&states, &leans(6)).is_empty());
+    }
+
+    #[test]
+    fn swings_in_place_at_the_end_are_idle() {
+        let scene = Scene::builtin("climb").expect("a built-in scene");
+        let stances = Stances::new(&scene);
+        let mut states = climb(&scene);
+        assert_eq!(stances.idle_after(&states), 6, "nothing is");
+        states.push(states[4].clone());
+        let end = states.len();
+        for foot in stances.feet(&states[4]) {
+            let lifted = states[4].iter().filter(|c| *c != foot).collect();
+            states.extend([lifted, states[4].clone()]);
+        }
+        assert_eq!(stances.idle_after(&states), end);
+        assert_eq!(stances.idle_after(&states[..end - 1]), 6);
+        assert_eq!(stances.idle_after(&[states[0].clone()]), 1);
     }
 
     #[test]
