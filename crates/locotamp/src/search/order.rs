@@ -37,9 +37,9 @@ pub(super) struct May {
 /// The most promising one: whose motion on the coarse grid is likely to cost least, since postures at the edge of reach cost a lot,
 /// and make the optimiser's work hard; of equal ones the first.
 ///
-/// What will probably hold is tried on the finer grid at once, before what costs less and will hardly. What else has its motion is if it is the most promising, and there are some
-/// to choose from, or no other waits. If many have theirs, the cheapest of them is tried. Others are begun only if so many sequences have
-/// been drawn that there is a choice.
+/// What will probably hold is tried on the finer grid at once, before what costs less and will hardly. What else has its motion is if it
+/// is the most promising, and there are some to choose from, or no other waits. If many have theirs, the cheapest of them is tried.
+/// Others are begun only if so many sequences have been drawn that there is a choice.
 pub(super) fn next(waiting: &[Waiting], may: May) -> Option<usize> {
     let cost = |n: usize| waiting[n].cost;
     let least = |counts: &dyn Fn(&Waiting) -> bool| {

@@ -21,12 +21,14 @@ impl<'a> Stances<'a> {
         state.iter().filter(|c| self.is_foot(c)).collect()
     }
 
-    /// Contacts of all feet in a phase; of those in the air, the last that they had.
+    /// Contacts of all feet in a phase; of those in the air, the last that they had, but on what is carried by then.
     pub fn whole(&self, states: &[ContactState], at: usize) -> Vec<Contact> {
+        let carried = self.carried(&states[at]);
         let before = states[..=at].iter().rev();
         let mut stance: Vec<Contact> = vec![];
         for contact in before.flat_map(|state| self.feet(state)) {
-            if stance.iter().all(|c| c.a != contact.a) {
+            let on = self.scene.interfaces[contact.b.0].owner;
+            if !carried.contains(&on) && stance.iter().all(|c| c.a != contact.a) {
                 stance.push(contact);
             }
         }
@@ -55,7 +57,8 @@ impl<'a> Stances<'a> {
                 .filter_map(|k| leans.get(k).copied());
             let lean = lean.fold(0.0, f64::max);
             let on = |feet: usize| (first..end).find(|&k| self.feet(&states[k]).len() >= feet);
-            let stance = on(all).or_else(|| on(1).filter(|_| !carried.is_empty()));
+            let with_hands = || on(1).filter(|&k| self.whole(states, k).len() == all);
+            let stance = on(all).or_else(|| with_hands().filter(|_| !carried.is_empty()));
             places.extend(stance.filter(|_| lean > FAR_LEAN).map(|k| (k, lean)));
             first = end;
         }
@@ -183,5 +186,18 @@ mod tests {
         let states = climb(&scene);
         assert_eq!(stances.whole(&states, 2), stances.feet(&states[0]));
         assert_eq!(stances.whole(&states, 5), stances.feet(&states[5]));
+        // The right foot was on the box that is carried now.
+        let box_top = stances.feet(&states[5])[0].b;
+        let mut before = states.clone();
+        let right = stances.feet(&states[5])[1];
+        before[0] = before[0].iter().filter(|c| *c != right).collect();
+        before[0] = before[0]
+            .iter()
+            .chain([Contact {
+                b: box_top,
+                ..right
+            }])
+            .collect();
+        assert_eq!(stances.whole(&before, 2), stances.feet(&before[2]));
     }
 }
