@@ -322,7 +322,7 @@ impl Oracle for Checks<'_> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use ocp::Preset;
     use symbolic::{ContactType, InterfaceId};
@@ -335,7 +335,8 @@ mod tests {
         )
     }
 
-    fn state(scene: &Scene, pairs: &[(&str, &str)]) -> ContactState {
+    /// Unilateral patches on one another, by name.
+    pub fn state(scene: &Scene, pairs: &[(&str, &str)]) -> ContactState {
         let id = |name: &str| {
             let found = scene.interfaces.iter().position(|i| i.name == name);
             InterfaceId(found.expect("an interface of the scene"))

@@ -1,11 +1,12 @@
 //! More steps for a sequence whose keyframes lean far: the policy draws the fewest with which everything is within reach, and strides
 //! at the edge of that cost more than some steps do, and are harder to find a motion for.
 //!
-//! Feet are set anew where the robot leans most, once each, as long as the keyframes of the longer sequence promise less.
+//! Feet are set anew where the robot leans most, once each, as long as the keyframes of the longer sequence promise less. Swings in place
+//! at the end are left out where they can bring nothing.
 
 use super::Run;
 use super::stances::Stances;
-use ocp::{Keyframes, Phase};
+use ocp::Keyframes;
 use scene::Objective;
 use std::collections::BTreeMap;
 use symbolic::{ContactState, Sequence};
@@ -163,7 +164,7 @@ impl Run<'_> {
     /// Where the feet are set anew, at most [`PLACES`].
     fn places(&self, promise: &Promise) -> Vec<usize> {
         let phases = self.phases(&promise.sequence);
-        let leans = self.leans(&phases, &promise.nodes);
+        let leans = self.shop.planner.leans(&phases, &promise.nodes);
         let mut places = self.stances().strained(&promise.sequence.states, &leans);
         places.truncate(PLACES);
         places
@@ -171,10 +172,5 @@ impl Run<'_> {
 
     fn stances(&self) -> Stances<'_> {
         Stances::new(self.shop.planner.scene)
-    }
-
-    /// Leans of the robot at the phase boundaries.
-    pub(super) fn leans(&self, phases: &[Phase], nodes: &[Vec<f64>]) -> Vec<f64> {
-        self.shop.planner.leans(phases, nodes)
     }
 }

@@ -279,10 +279,10 @@ impl Run<'_> {
         promise + self.strides(phases, &keyframes.nodes)
     }
 
-    /// What long strides and flights add to that. Where the base is to get high, strides are what may help.
+    /// What long strides and flights add to that.
     fn strides(&self, phases: &[Phase], nodes: &[Vec<f64>]) -> f64 {
         let flights = phases.iter().filter(|p| self.flies(&p.state)).count();
-        let leans = self.leans(phases, nodes);
+        let leans = self.shop.planner.leans(phases, nodes);
         let far = |lean: &f64| lean.clamp(EASY_LEAN, MOST_LEAN) - EASY_LEAN;
         LEAN * leans.iter().map(far).sum::<f64>() + FLIGHT * flights as f64
     }

@@ -111,7 +111,7 @@ impl<'a> Stances<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use symbolic::{ContactType, InterfaceId};
+    use crate::checks::tests::state;
 
     const LEFT: (&str, &str) = ("left_foot", "ground_top");
     const RIGHT: (&str, &str) = ("right_foot", "ground_top");
@@ -121,15 +121,6 @@ mod tests {
 
     /// The box is carried on the left foot, and stepped on.
     fn climb(scene: &Scene) -> Vec<ContactState> {
-        let id = |name: &str| {
-            let found = scene.interfaces.iter().position(|i| i.name == name);
-            InterfaceId(found.expect("an interface of the scene"))
-        };
-        let contact = |(a, b): &(&str, &str)| Contact {
-            a: id(a),
-            b: id(b),
-            kind: ContactType::UnilateralPatch,
-        };
         let states: [&[&[(&str, &str)]]; 6] = [
             &[&[LEFT, RIGHT, REST]],
             &[&[LEFT, REST], &HANDS],
@@ -138,8 +129,7 @@ mod tests {
             &[&[LEFT, RIGHT, REST]],
             &[&[RIGHT], &ON_BOX],
         ];
-        let state = |pairs: &&[&[(&str, &str)]]| pairs.concat().iter().map(contact).collect();
-        states.iter().map(state).collect()
+        states.map(|pairs| state(scene, &pairs.concat())).into()
     }
 
     #[test]
