@@ -32,6 +32,8 @@ pub(crate) struct Row {
     pub duration: f64,
     /// Cost of the optimiser.
     pub cost: f64,
+    /// What the scene's objective gets, with its name, but for time: height of the base, reach [m].
+    pub gets: Option<(String, f64)>,
     /// Share of the torque limits that is not used.
     pub torque_margin: f64,
     /// Largest slip of a contact [m].
@@ -54,7 +56,9 @@ impl Row {
             .tau
             .iter()
             .flat_map(|row| row.iter().zip(limits).map(ratio));
+        let objective = plan.objective.as_ref().filter(|o| o.name != "time");
         Self {
+            gets: objective.map(|o| (o.name.clone(), o.value)),
             number: alternative.number,
             duration: alternative.duration,
             cost: alternative.cost,

@@ -29,7 +29,7 @@ pub(crate) struct Progress {
     solutions: usize,
     /// Time of the first plan [s].
     first_after: Option<f64>,
-    /// Cost and number of the cheapest plan.
+    /// Cost and number of the best plan.
     best: Option<(f64, usize)>,
     doing: String,
 }
@@ -147,14 +147,12 @@ impl Progress {
                     self.title(*number)
                 );
             }
-            Event::Solution { number, plan, .. } => {
+            Event::Solution { number, best, plan } => {
                 self.solutions += 1;
                 let seconds = self.begin.elapsed().as_secs_f64();
                 self.first_after.get_or_insert(seconds);
                 let cost = plan.objective.as_ref().and_then(|o| o.cost);
-                if let Some(cost) = cost
-                    && self.best.is_none_or(|(best, _)| cost < best)
-                {
+                if let Some(cost) = cost.filter(|_| *best) {
                     self.best = Some((cost, *number));
                     let phases = plan.phases.iter().skip(1);
                     let story: Vec<&str> = phases.map(|p| p.action.as_str()).collect();

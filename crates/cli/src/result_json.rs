@@ -28,6 +28,7 @@ pub(crate) fn write(finished: &Finished) -> Value {
         "alternatives": finished.rows.iter().map(|row| json!({
             "plan": row.number, "duration": row.duration, "cost": row.cost, "torque_margin": row.torque_margin,
             "slip": row.slip, "loaded_phases": row.loaded, "contacts": row.contacts, "accepted": row.verdict.ok(),
+            "objective": row.gets.as_ref().map(|(_, value)| value),
         })).collect::<Vec<_>>(),
         "reasons": reasons.iter().map(|r| json!({
             "count": r.count, "stage": r.stage, "what": r.what, "example": r.example,

@@ -50,11 +50,20 @@ fn alternatives(finished: &Finished) -> String {
     if finished.rows.len() < 2 {
         return text;
     }
-    text += "\n  plan  duration     cost  torque margin  slip       loaded phases  contacts made\n";
+    let gets = finished.rows[0].gets.as_ref();
+    let what = gets.map_or_else(String::new, |(name, _)| format!("  {name}"));
+    let _ = writeln!(
+        text,
+        "\n  plan  duration     cost{what}  torque margin  slip       loaded phases  contacts made"
+    );
     for row in &finished.rows {
+        let gets = row.gets.as_ref();
+        let gets = gets.map_or_else(String::new, |(name, value)| {
+            format!("  {value:width$.2} m", width = name.len() - 2)
+        });
         let _ = writeln!(
             text,
-            "  {:04}  {:6.2} s {:8.3}  {:10.0} %  {:7.1e} m  {:13}  {}{}",
+            "  {:04}  {:6.2} s {:8.3}{gets}  {:10.0} %  {:7.1e} m  {:13}  {}{}",
             row.number,
             row.duration,
             row.cost,

@@ -312,12 +312,6 @@ impl Found {
         matches!(self.refined, Refined::Done { .. })
     }
 
-    /// The one that costs less, if there is one.
-    pub(crate) fn cheaper(one: Option<Self>, other: Option<Self>) -> Option<Self> {
-        let plans = [one, other].into_iter().flatten();
-        plans.min_by(|a, b| a.summary.cost.total_cmp(&b.summary.cost))
-    }
-
     /// Everything that is written about a motion.
     pub(crate) fn of(
         scene: &Scene,

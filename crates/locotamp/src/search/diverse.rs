@@ -1,7 +1,8 @@
-//! The best plans that differ in what they do: of plans with the same loaded contacts the cheapest stays.
+//! The best plans that differ in what they do: of plans with the same loaded contacts the best stays.
 
 use std::ops::Index;
 
+use super::reward::{self, Worth};
 use crate::api::Alternative;
 use ocp::Point;
 use plan::{Plan, Row6};
@@ -13,6 +14,7 @@ const LOADED: f64 = 0.02;
 /// A plan with what it takes to refine it.
 pub(super) struct Kept {
     pub alternative: Alternative,
+    pub worth: Worth,
     pub point: Point,
     /// Intervals per phase.
     pub steps: Vec<usize>,
@@ -21,22 +23,24 @@ pub(super) struct Kept {
     pub seconds: f64,
 }
 
-/// The cheapest plans with different loaded contacts, at most so many, the cheapest first.
+/// The best plans with different loaded contacts, at most so many, the best first.
 pub(super) struct Diverse {
     plans: Vec<Kept>,
     most: usize,
+    least_gain: f64,
 }
 
 impl Diverse {
     /// At least one is kept.
-    pub fn new(most: usize) -> Self {
+    pub fn new(most: usize, least_gain: f64) -> Self {
         Self {
             plans: vec![],
             most: most.max(1),
+            least_gain,
         }
     }
 
-    /// The cheapest plan.
+    /// The best plan.
     pub fn best(&self) -> Option<&Kept> {
         self.plans.first()
     }
@@ -49,17 +53,18 @@ impl Diverse {
         self.plans.into_iter()
     }
 
-    /// Takes a plan unless a cheaper one does the same.
+    /// Takes a plan unless a better one does the same.
     pub fn offer(&mut self, kept: Kept) {
-        let plan = &kept.alternative;
-        let same = |other: &Kept| other.alternative.loaded == plan.loaded;
-        let cheaper = |other: &Kept| other.alternative.cost <= plan.cost;
-        if self.plans.iter().any(|other| same(other) && cheaper(other)) {
-            return;
-        }
-        self.plans.retain(|other| !same(other));
-        let at = self.plans.partition_point(cheaper);
-        self.plans.insert(at, kept);
+        let loaded = kept.alternative.loaded.clone();
+        self.plans.push(kept);
+        reward::sort(&mut self.plans, self.least_gain, |kept| kept.worth);
+        let mut is_there = false;
+        self.plans.retain(|other| {
+            let same = other.alternative.loaded == loaded;
+            let worse = same && is_there;
+            is_there |= same;
+            !worse
+        });
         self.plans.truncate(self.most);
     }
 }

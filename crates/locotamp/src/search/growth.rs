@@ -9,6 +9,7 @@
 //! that have a motion on the coarse grid, if another one failed there on the finer grid.
 
 use super::places::{Place, Places};
+use super::reward::Worth;
 use crate::lapse::Lapse;
 use scene::Objective;
 use std::collections::{BTreeMap, BTreeSet};
@@ -19,8 +20,6 @@ const STRAINED: f64 = 2.0;
 /// The same up to which it is as promised, and worth trying on the finer grid before there is another to choose from
 /// (benches/runs/2026-11-28-due-results.md).
 const AS_PROMISED: f64 = 1.4;
-/// Share of the most that others get, where the scene rewards something, that is worth the same.
-const ENOUGH: f64 = 0.9;
 /// Promises below this count as this much: a few steps more or less of so short a motion say nothing.
 const LEAST_PROMISE: f64 = 10.0;
 /// What a failure adds to the cost that is expected of others at its place, in what was promised; on the finer grid, in what its coarse
@@ -34,7 +33,9 @@ pub(super) struct Growth {
     /// The scene rewards something: what keyframes promise of that is another number than what motions get.
     has_reward: bool,
     /// The most that a motion on the coarse grid gets of that.
-    most_reward: f64,
+    most_reward: Option<f64>,
+    /// What has to be got more to be worth more whatever it costs.
+    least_gain: f64,
     /// What motions that are not strained cost more than promised.
     usual: Vec<f64>,
     /// The least that strained ones cost more, by their dearest phase.
@@ -64,17 +65,21 @@ pub(super) struct Costs {
 }
 
 impl Costs {
-    /// What it gets for the scene's objective.
-    fn reward(&self) -> f64 {
-        self.effort - self.cost
+    /// What it is worth.
+    pub fn worth(&self) -> Worth {
+        Worth {
+            cost: self.cost,
+            effort: self.effort,
+        }
     }
 }
 
 impl Growth {
     /// Nothing is known of a scene.
-    pub fn new(places: Places, objective: &Objective) -> Self {
+    pub fn new(places: Places, objective: &Objective, least_gain: f64) -> Self {
         Self {
             places,
+            least_gain,
             has_reward: *objective != Objective::Time,
             ..Self::default()
         }
@@ -88,7 +93,8 @@ impl Growth {
     /// True if a motion will probably hold on a finer grid as it is, and where the scene rewards something gets about as much as others.
     pub fn is_likely(&self, costs: &Costs) -> bool {
         let as_promised = self.is_within(AS_PROMISED, costs);
-        let gets_enough = costs.reward() >= ENOUGH * self.most_reward;
+        let most = self.most_reward;
+        let gets_enough = most.is_none_or(|most| costs.worth().is_enough(most, self.least_gain));
         let probably = as_promised.unwrap_or(costs.lapse.is_slight() && gets_enough);
         probably && !costs.lapse.is_serious()
     }
@@ -100,7 +106,8 @@ impl Growth {
 
     /// Takes note of a motion on the coarse grid and its costs.
     pub fn found(&mut self, states: &[ContactState], costs: &Costs) {
-        self.most_reward = self.most_reward.max(costs.reward());
+        let gets = costs.worth().gets();
+        self.most_reward = Some(self.most_reward.map_or(gets, |most| most.max(gets)));
         if self.is_strained(costs) {
             self.strained_at(states, costs);
         } else {
@@ -266,7 +273,7 @@ mod tests {
 
     #[test]
     fn a_lapse_strains_a_motion_and_those_that_do_the_same_there_whatever_the_scene_rewards() {
-        let mut growth = Growth::new(Places::default(), &Objective::BaseHeight);
+        let mut growth = Growth::new(Places::default(), &Objective::BaseHeight, 7.0);
         let lunge = lapsed(-1300.0, -10.0, 2);
         growth.found(&sequence(&[7, 1, 2, 3]), &lunge);
         assert_eq!(growth.expected(&sequence(&[1, 2, 3, 4]), -1300.0), -1230.0);
@@ -282,7 +289,7 @@ mod tests {
     #[test]
     fn what_costs_as_promised_is_likely_and_where_the_scene_rewards_something_what_has_a_slight_lapse()
      {
-        let of = |objective| Growth::new(Places::default(), &objective);
+        let of = |objective| Growth::new(Places::default(), &objective, 7.0);
         let (time, height) = (of(Objective::Time), of(Objective::BaseHeight));
         let (cheap, dear) = (costs(20.0, 27.0, 0), costs(20.0, 29.0, 0));
         assert!(time.is_likely(&cheap) && !time.is_likely(&dear));
@@ -299,7 +306,7 @@ mod tests {
 
     #[test]
     fn what_gets_much_less_than_another_motion_is_not_likely() {
-        let mut growth = Growth::new(Places::default(), &Objective::BaseHeight);
+        let mut growth = Growth::new(Places::default(), &Objective::BaseHeight, 7.0);
         let with_reward = |reward| Costs {
             effort: 20.0,
             ..costs(0.0, 20.0 - reward, 0)
@@ -313,7 +320,7 @@ mod tests {
 
     #[test]
     fn cost_strains_nothing_where_the_scene_rewards_something() {
-        let of = |objective| Growth::new(Places::default(), &objective);
+        let of = |objective| Growth::new(Places::default(), &objective, 7.0);
         let (time, height) = (of(Objective::Time), of(Objective::BaseHeight));
         let strains = |growth: &Growth, promise, cost| growth.is_strained(&costs(promise, cost, 0));
         assert!(strains(&time, 20.0, 41.0) && !strains(&time, 20.0, 39.0));

@@ -138,6 +138,7 @@ pub fn plan(
         (journal, too_heavy),
     );
     let places = request.thread_count().min(IN_FLIGHT);
+    let least_gain = reward::least_gain(scene, &settings);
     thread::scope(|scope| {
         let workers = Workers::start(scope, IN_FLIGHT, places, shop);
         let mut run = Run {
@@ -153,17 +154,18 @@ pub fn plan(
             submitted: 0,
             waiting: vec![],
             moved: 0,
-            growth: Growth::new(Places::new(resting(scene)), &scene.objective),
+            growth: Growth::new(Places::new(resting(scene)), &scene.objective, least_gain),
             clock: 0,
             under_way: UnderWay::default(),
             lost: false,
             ended: None,
-            rewards: Rewards::default(),
-            coarse_rewards: Rewards::default(),
+            least_gain,
+            rewards: Rewards::new(least_gain),
+            coarse_rewards: Rewards::new(least_gain),
             failures: Failures::new(Places::new(resting(scene))),
             longer: Longer::default(),
             attempts: vec![],
-            diverse: Diverse::new(request.solutions),
+            diverse: Diverse::new(request.solutions, least_gain),
             refined: None,
             coarse: None,
             aside: vec![],
@@ -269,6 +271,8 @@ struct Run<'a> {
     lost: bool,
     /// Why no more sequences are begun.
     ended: Option<String>,
+    /// What the scene's objective has to get more to be worth more whatever it costs.
+    least_gain: f64,
     rewards: Rewards,
     /// Of motions on the coarse grid, while the best of many is sought.
     coarse_rewards: Rewards,
@@ -304,8 +308,10 @@ impl Run<'_> {
                 self.refined = best;
                 return ended;
             }
-            self.coarse = Found::cheaper(self.coarse.take(), best);
-            let plans = mem::replace(&mut self.diverse, Diverse::new(self.request.solutions));
+            let before = self.coarse.take();
+            self.coarse = self.better(before, best);
+            let none = Diverse::new(self.request.solutions, self.least_gain);
+            let plans = mem::replace(&mut self.diverse, none);
             self.aside.extend(plans.plans());
         }
     }

@@ -5,9 +5,9 @@ use std::sync::atomic::Ordering;
 
 use super::candidate::{Candidate, Coarse, Work};
 use super::diverse::{Kept, loaded};
-use super::reward::Rewards;
-use super::workers::{Evaluated, Message, with_steps};
-use super::{Nearest, Run};
+use super::reward::{Rewards, Worth};
+use super::workers::{Evaluated, Message, Shop, with_steps};
+use super::{Nearest, Run, reward};
 use crate::api::{Alternative, Attempt, Event, Found, Outcome, Reached, Request};
 use crate::journal::{self, PointEntry, Tried};
 use crate::refine::{self, Refined};
@@ -73,7 +73,7 @@ impl Run<'_> {
             let reward = Rewards::of_failure(costs.lapse.force);
             self.learn(&candidate.sequence.states, reward);
         } else if self.request.min_optimised > 0 {
-            let reward = self.coarse_rewards.of_plan(done.cost);
+            let reward = self.coarse_rewards.of_plan(costs.worth());
             self.learn(&candidate.sequence.states, reward);
         }
         let Some(point) = done.point else { return };
@@ -151,7 +151,7 @@ impl Run<'_> {
             reason: done.reason.clone(),
         });
         let reward = match (done.feasible, &known) {
-            (true, _) => self.rewards.of_plan(done.cost),
+            (true, _) => self.rewards.of_plan(done.costs(promise).worth()),
             (false, Some(known)) => known.reward,
             (false, None) => Rewards::of_failure(done.violation.max(done.lapse.force)),
         };
@@ -216,28 +216,29 @@ impl Run<'_> {
         self.relatives.extend(done.relative);
         let many = self.relatives.len().saturating_sub(MOST_RELATIVES);
         self.relatives.drain(..many);
-        let best = self.diverse.best();
-        let best = best.is_none_or(|best| done.cost < best.alternative.cost);
-        self.tell(&Event::Solution {
-            number,
-            best,
-            plan: Box::new(plan.clone()),
-        });
         let scene = self.shop.planner.scene;
         let weight = scene.robot.model.total_mass() * scene.gravity.norm();
+        let worth = Worth::of(&plan, scene, self.shop.settings);
         let alternative = Alternative {
             number,
             cost: done.cost,
             duration: plan.time.last().copied().unwrap_or(0.0),
             loaded: loaded(&plan, weight),
-            plan,
+            plan: plan.clone(),
         };
         self.diverse.offer(Kept {
             alternative,
+            worth,
             point,
             steps: done.steps,
             sequence,
             seconds: done.seconds,
+        });
+        let best = self.diverse.best();
+        self.tell(&Event::Solution {
+            number,
+            best: best.is_some_and(|best| best.alternative.number == number),
+            plan: Box::new(plan),
         });
     }
 
@@ -302,9 +303,10 @@ impl Run<'_> {
         let mut refined = self.refined.take();
         if refined.is_none() {
             let latest = self.refine_best(wanted);
+            let before = self.coarse.take();
             refined = match latest {
                 Some(found) if found.is_refined() => Some(found),
-                _ => Found::cheaper(self.coarse.take(), latest),
+                _ => self.better(before, latest),
             };
         }
         let feasible = refined.is_some();
@@ -329,9 +331,9 @@ impl Run<'_> {
                 )
             })
         };
-        let plans = self.diverse.plans().chain(self.aside);
-        let mut alternatives: Vec<Alternative> = plans.map(|kept| kept.alternative).collect();
-        alternatives.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        let mut plans: Vec<Kept> = self.diverse.plans().chain(self.aside).collect();
+        reward::sort(&mut plans, self.least_gain, |kept| kept.worth);
+        let alternatives = plans.into_iter().map(|kept| kept.alternative).collect();
         Outcome {
             feasible,
             best,
@@ -342,6 +344,17 @@ impl Run<'_> {
             ended,
             seconds: self.shop.begin.elapsed().as_secs_f64(),
         }
+    }
+
+    /// The better one of two, if there is one.
+    pub fn better(&self, one: Option<Found>, other: Option<Found>) -> Option<Found> {
+        let mut plans: Vec<Found> = [one, other].into_iter().flatten().collect();
+        let Shop {
+            planner, settings, ..
+        } = self.shop;
+        let worth = |found: &Found| Worth::of(&found.plan, planner.scene, settings);
+        reward::sort(&mut plans, self.least_gain, worth);
+        plans.into_iter().next()
     }
 
     /// Counts the sequences whose motions on the coarse grid had no turn on the finer one, or whose turn had no end.

@@ -27,6 +27,9 @@ const LIFT: f64 = 0.05;
 const APPROACH: f64 = 200.0;
 /// Weights of the place of a carried object [1/m²] and of its tilt, beside a posture weight of 0.05 per rad².
 const CARRY: f64 = 20.0;
+/// What draws the centre of mass over the feet at the end of keyframes where a body is to reach far [1/m²]: the reward draws the robot as
+/// far over as its legs allow, from where no motion comes back to what can be borne. 5 cm are as strong as the reward.
+const REACHING_BALANCE: f64 = 1000.0;
 const CARRY_UPRIGHT: f64 = 1.0;
 
 impl Builder<'_> {
@@ -158,6 +161,11 @@ impl Builder<'_> {
         if matches!(self.program.grid, Grid::Keyframes | Grid::OpenKeyframes) {
             let weight = self.program.settings.weights.balance;
             for t in 1..=phases.len() {
+                let at_the_end = match self.scene.objective {
+                    Objective::Reach { .. } if t == phases.len() => REACHING_BALANCE,
+                    _ => 0.0,
+                };
+                let weight = weight + at_the_end;
                 self.balance(t, weight, &phases[t - 1..phases.len().min(t + 1)]);
             }
         } else if self.program.is_fine() {
