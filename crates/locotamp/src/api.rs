@@ -76,7 +76,7 @@ pub struct Request {
     /// Number of plans with different loaded contacts after which the search ends, and of those that it returns.
     pub solutions: usize,
     /// Least sequences that are optimised before the search may end with enough plans. Once there is one plan, they are so on the
-    /// coarse grid, and the cheapest of them are tried on the finer one, so that the plans are the best of many. Half of a time
+    /// coarse grid, and the best of them are tried on the finer one, so that the plans are the best of many. Half of a time
     /// limit at most is spent on it.
     pub min_optimised: usize,
     /// Most sequences that are optimised.
@@ -174,7 +174,7 @@ pub enum Event {
     Solution {
         /// Number of the sequence.
         number: usize,
-        /// True if it is the cheapest so far.
+        /// True if it is the best so far.
         best: bool,
         /// The plan.
         plan: Box<Plan>,
@@ -336,11 +336,12 @@ impl Found {
 /// Result of a run.
 #[derive(Debug)]
 pub struct Outcome {
-    /// The best plan: the cheapest feasible one, else the least violated one (its `status` says which).
+    /// The best feasible plan, else the least violated motion (its `status` says which).
     pub best: Option<Found>,
     /// True if `best` satisfies everything.
     pub feasible: bool,
-    /// The cheapest feasible plans that differ in their loaded contacts, the cheapest first.
+    /// The best feasible plans that differ in their loaded contacts, the best first: the cheapest of those that get about the most for
+    /// the scene's objective, then the others.
     pub alternatives: Vec<Alternative>,
     /// Wall time until the first feasible plan [s].
     pub first_after: Option<f64>,

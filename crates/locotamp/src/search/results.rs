@@ -377,7 +377,7 @@ impl Run<'_> {
         }
     }
 
-    /// The cheapest plan whose motion can be refined; if none can, or it is not `wanted`, the cheapest as it is.
+    /// The best plan whose motion can be refined; if none can, or it is not `wanted`, the best as it is.
     pub fn refine_best(&mut self, wanted: bool) -> Option<Found> {
         let planner = self.shop.planner;
         let turns = self.workers.turns.clone();
