@@ -28,7 +28,7 @@ const APPROACH: f64 = 200.0;
 /// Weights of the place of a carried object [1/m²] and of its tilt, beside a posture weight of 0.05 per rad².
 const CARRY: f64 = 20.0;
 /// What draws the centre of mass over the feet at the end of keyframes where a body is to reach far [1/m²]: the reward draws the robot as
-/// far over as its legs allow, from where no motion comes back to what can be borne. 5 cm are as strong as the reward.
+/// far over as its legs allow, from where no motion comes back to what can be borne. 5 cm are as strong as the reward; reaching up draws nowhere.
 const REACHING_BALANCE: f64 = 1000.0;
 const CARRY_UPRIGHT: f64 = 1.0;
 
@@ -161,8 +161,11 @@ impl Builder<'_> {
         if matches!(self.program.grid, Grid::Keyframes | Grid::OpenKeyframes) {
             let weight = self.program.settings.weights.balance;
             for t in 1..=phases.len() {
-                let at_the_end = match self.scene.objective {
-                    Objective::Reach { .. } if t == phases.len() => REACHING_BALANCE,
+                let at_the_end = match &self.scene.objective {
+                    Objective::Reach { direction, .. } if t == phases.len() => {
+                        let up = -self.scene.gravity.normalize();
+                        REACHING_BALANCE * (1.0 - direction.dot(&up).powi(2)).max(0.0)
+                    }
                     _ => 0.0,
                 };
                 let weight = weight + at_the_end;
