@@ -152,17 +152,30 @@ impl Sums {
         self.angular += arm.cross(g);
     }
 
-    /// Hessian `h` and gradient `g` at the end of `arm`, which moves by ρ + ω × arm + ½ ω × (ρ + ω × arm).
+    /// The part of the Hessian −c g gᵀ at the end of `arm`, which moves by ρ + ω × arm.
     #[inline]
-    fn add_hessian(&mut self, arm: &Vector3<f64>, g: &Vector3<f64>, h: &Matrix3<f64>) {
+    fn subtract_square(&mut self, arm: &Vector3<f64>, g: &Vector3<f64>, c: f64) {
+        let (moment, scaled) = (arm.cross(g), g * c);
+        self.linear_linear -= scaled * g.transpose();
+        self.linear_angular -= scaled * moment.transpose();
+        self.angular_angular -= (moment * c) * moment.transpose();
+    }
+
+    /// The part of the Hessian `h` at the end of `arm`, which moves by ρ + ω × arm.
+    fn add_hessian(&mut self, arm: &Vector3<f64>, h: &Matrix3<f64>) {
         self.linear_linear += h;
         // h [arm]ᵀ and [arm] h [arm]ᵀ: rows, then columns, of cross products.
         let cross = |i: usize| arm.cross(&h.column(i));
         let turned = Matrix3::from_columns(&[cross(0), cross(1), cross(2)]);
         self.linear_angular += turned.transpose();
         let cross = |i: usize| arm.cross(&turned.row(i).transpose());
-        let turned = Matrix3::from_columns(&[cross(0), cross(1), cross(2)]);
-        self.angular_angular += turned + direction_block(g, arm);
+        self.angular_angular += Matrix3::from_columns(&[cross(0), cross(1), cross(2)]);
+    }
+
+    /// What the gradient `g` has in the Hessian, since the end of `arm` moves by ρ + ω × arm + ½ ω × (ρ + ω × arm).
+    #[inline]
+    fn add_turning(&mut self, arm: &Vector3<f64>, g: &Vector3<f64>) {
+        self.angular_angular += direction_block(g, arm);
     }
 
     /// The gradient in the axes of a.
@@ -387,8 +400,11 @@ impl PoseTerm for Distance {
             let g = d.gradient * weight;
             sums.add_gradient(&arm, &g);
             if curved {
-                let products = (g * (d.curb + 1.0 / EVENNESS)) * d.gradient.transpose();
-                sums.add_hessian(&arm, &g, &(d.diagonal * weight - products));
+                sums.add_turning(&arm, &g);
+                sums.subtract_square(&arm, &d.gradient, weight * (d.curb + 1.0 / EVENNESS));
+                if let Some(h) = d.curved {
+                    sums.add_hessian(&arm, &(h * weight));
+                }
             }
         }
         let gradient = sums.gradient(x.rotation());

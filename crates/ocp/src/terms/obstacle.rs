@@ -10,7 +10,7 @@
 //! distance around edges by up to (1 − 1/√2) of it, which is the safe side.
 //!
 //! Second derivatives come as S − curb g gᵀ with g the gradient: S is diagonal in the axes of a box, a multiple of the
-//! identity for a ball.
+//! identity for a ball; over a plane, as over the middle of a face, there are none.
 //!
 //! Source: ours.
 
@@ -88,25 +88,17 @@ impl Part {
                 let d = centre_distance(&q);
                 Derivatives {
                     gradient: q / d,
-                    diagonal: Matrix3::from_diagonal_element(1.0 / d),
+                    curved: Some(Matrix3::from_diagonal_element(1.0 / d)),
                     curb: 1.0 / d,
                 }
             }
             Self::Box(pose, half) => {
-                let (gradient, diagonal) = box_derivatives(&pose.act(*p), half);
+                let of_box = box_derivatives(&pose.act(*p), half);
                 let r = pose.rotation();
-                let mut turned = Matrix3::zeros();
-                for (i, weight) in diagonal.iter().enumerate() {
-                    // Mostly only one face is near.
-                    if *weight != 0.0 {
-                        let axis = r.row(i).transpose();
-                        turned += (axis * *weight) * axis.transpose();
-                    }
-                }
                 Derivatives {
-                    gradient: r.tr_mul(&gradient),
-                    diagonal: turned,
-                    curb: 1.0 / SHARPNESS,
+                    gradient: r.tr_mul(&of_box.gradient),
+                    curved: of_box.curved.map(|diagonal| r.tr_mul(&diagonal) * r),
+                    curb: of_box.curb,
                 }
             }
         }
@@ -117,9 +109,19 @@ impl Part {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Derivatives {
     pub gradient: Vector3<f64>,
-    /// S.
-    pub diagonal: Matrix3<f64>,
+    /// S; none over a plane.
+    pub curved: Option<Matrix3<f64>>,
     pub curb: f64,
+}
+
+impl Derivatives {
+    fn over_a_plane(gradient: Vector3<f64>) -> Self {
+        Self {
+            gradient,
+            curved: None,
+            curb: 0.0,
+        }
+    }
 }
 
 /// A distance base + ε ln sum [m].
@@ -168,40 +170,49 @@ pub(super) fn act(pose: &Pose, p: &[Lanes; 3]) -> [Lanes; 3] {
     })
 }
 
-/// Smooth box distance at p and the weights of the six faces.
-fn faces(p: &Vector3<f64>, half: &Vector3<f64>) -> (Soft, [f64; 6]) {
-    let faces: [f64; 6] = std::array::from_fn(|i| {
-        if i < 3 {
-            p[i] - half[i]
-        } else {
-            -p[i - 3] - half[i - 3]
-        }
-    });
+/// Smooth box distance at p and, by axis, the weights of the face on p's side and of the one opposite.
+#[inline]
+fn faces(p: &Vector3<f64>, half: &Vector3<f64>) -> (Soft, [[f64; 2]; 3]) {
     let largest = farthest_out(p, half);
-    let weights = faces.map(|d| {
-        let far = (d - largest) / SHARPNESS;
-        if far >= 0.0 {
+    let weight = |d: f64| {
+        let below = (d - largest) * (1.0 / SHARPNESS);
+        if below >= 0.0 {
             1.0
-        } else if far < UNSEEN {
+        } else if below < UNSEEN {
             0.0
         } else {
-            far.exp()
+            below.exp()
         }
+    };
+    let weights = std::array::from_fn(|i| {
+        let (out, half) = (p[i].abs(), half[i]);
+        [weight(out - half), weight(-out - half)]
     });
     let soft = Soft {
         base: largest,
-        sum: weights.iter().sum(),
+        sum: weights.as_flattened().iter().sum(),
     };
     (soft, weights)
 }
 
-/// Gradient of the smooth box distance at p, and the diagonal S of its Hessian.
-fn box_derivatives(p: &Vector3<f64>, half: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+/// Gradient and Hessian of the smooth box distance at p.
+#[inline]
+fn box_derivatives(p: &Vector3<f64>, half: &Vector3<f64>) -> Derivatives {
     let (soft, weights) = faces(p, half);
-    let gradient = Vector3::from_fn(|i, _| (weights[i] - weights[i + 3]) / soft.sum);
+    let side = |i: usize| 1.0_f64.copysign(p[i]);
+    let gradient = |i: usize| side(i) * (weights[i][0] - weights[i][1]) / soft.sum;
+    let gradient = Vector3::from_fn(|i, _| gradient(i));
+    if soft.sum == 1.0 {
+        // Mostly only one face is near.
+        return Derivatives::over_a_plane(gradient);
+    }
     let scale = soft.sum * SHARPNESS;
-    let diagonal = Vector3::from_fn(|i, _| (weights[i] + weights[i + 3]) / scale);
-    (gradient, diagonal)
+    let diagonal = Vector3::from_fn(|i, _| (weights[i][0] + weights[i][1]) / scale);
+    Derivatives {
+        gradient,
+        curved: Some(Matrix3::from_diagonal(&diagonal)),
+        curb: 1.0 / SHARPNESS,
+    }
 }
 
 /// Smooth distance of two centres: √(|p|² + ε²) with ε = 1 mm, never smaller than the distance by more than it.
@@ -253,19 +264,8 @@ impl Obstacle {
     /// Gradient and Hessian of the distance of a point to a part.
     pub(super) fn derivatives(&self, part: usize, p: &Vector3<f64>) -> Derivatives {
         match self {
-            Self::Box(half) => {
-                let (gradient, diagonal) = box_derivatives(p, half);
-                Derivatives {
-                    gradient,
-                    diagonal: Matrix3::from_diagonal(&diagonal),
-                    curb: 1.0 / SHARPNESS,
-                }
-            }
-            Self::HalfSpace => Derivatives {
-                gradient: Vector3::z(),
-                diagonal: Matrix3::zeros(),
-                curb: 0.0,
-            },
+            Self::Box(half) => box_derivatives(p, half),
+            Self::HalfSpace => Derivatives::over_a_plane(Vector3::z()),
             Self::Parts(parts) => parts[part].derivatives(p),
         }
     }
