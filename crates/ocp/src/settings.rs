@@ -82,7 +82,8 @@ pub struct Weights {
     /// where they bear little.
     pub shear: f64,
     /// Loads of feet away from equal shares, in units of the robot's weight, on grids of at most 65 ms: a foot that bears little
-    /// rattles where a controller holds it fast.
+    /// rattles where a controller holds it fast. A twentieth where a foot lands or leaves, all of it from 0.2 s away from that
+    /// (benches/runs/2026-11-29-shared-loads.md).
     pub sharing: f64,
     /// Changes of contact wrenches from one interval to the next, in units of their scale; where velocities are unknowns.
     pub force_rate: f64,
@@ -115,7 +116,7 @@ impl Default for Weights {
             landing_pressure: 100.0,
             landing_balance: 300.0,
             shear: 100.0,
-            sharing: 1.0,
+            sharing: 20.0,
             force_rate: 0.02,
             object_velocity: 0.01,
             object_acceleration: 1e-3,

@@ -223,7 +223,7 @@ impl Builder<'_> {
             };
             if fine && weight > 0.0 {
                 let unit = (force / weight).powi(2);
-                weights[2] += settings.sharing * unit;
+                weights[2] += self.sharing(t, phases) * unit;
                 for tangential in &mut weights[..2] {
                     *tangential += settings.shear * unit;
                 }

@@ -25,6 +25,9 @@ const BEFORE_LANDING: f64 = 0.3;
 const AFTER_LANDING: f64 = 0.2;
 /// Time before a landing in which the centre of mass is drawn over the feet that stand [s].
 pub(super) const BALANCED: f64 = 0.4;
+/// Time from a landing or a leave of a foot from which on loads of feet have all their weight `sharing` [s], and its least part.
+const SHARED_AFTER: f64 = 0.2;
+const LEAST_SHARING: f64 = 0.05;
 /// Share of the area for the centre of pressure that a foot has when its ramp begins.
 const FIRST_AREA: f64 = 0.15;
 
@@ -130,6 +133,30 @@ impl Builder<'_> {
         let ramp = p.settings.margins.ramp * if p.is_fine() { FINE_RAMP } else { 1.0 };
         let share = apart / ramp.min(longest);
         if share < 1.0 { share } else { 1.0 }
+    }
+
+    /// Weight of what a foot's load differs from an equal share: little at the moments at which a foot lands or leaves, so that nobody
+    /// falls into a landing to share its load at once.
+    pub(super) fn sharing(&self, t: usize, phases: &[Phase]) -> f64 {
+        let away = self.from_change_of_feet(t, phases) / SHARED_AFTER;
+        self.program.settings.weights.sharing * away.clamp(LEAST_SHARING, 1.0)
+    }
+
+    /// Time from the middle of an interval to the nearest moment at which a foot lands or leaves, in longest steps [s].
+    fn from_change_of_feet(&self, t: usize, phases: &[Phase]) -> f64 {
+        let p = &self.program;
+        let is_foot = |c: &Contact| self.scene.interfaces[c.a.0].role == Role::Foot;
+        let feet = |k: usize| -> ContactState { phases[k].state.iter().filter(is_foot).collect() };
+        let begin = |k: usize| p.steps[..k].iter().sum::<usize>();
+        let k = p.phase_of(t);
+        let here = feet(k);
+        let before = (0..k).rev().find(|&i| feet(i) != here);
+        let after = (k + 1..phases.len()).find(|&i| feet(i) != here);
+        let since = before.map(|i| t - begin(i + 1));
+        let until = after.map(|i| begin(i) - 1 - t);
+        let steps = since.into_iter().chain(until).min();
+        let steps = steps.map_or(f64::INFINITY, |n| n as f64 + 0.5);
+        p.settings.max_step * steps
     }
 
     /// Does a foot land at the beginning of a phase.

@@ -2,10 +2,7 @@
 
 use multibody::{CenterOfMass, Kinematics};
 use nalgebra::{Vector3, Vector6};
-use ocp::{
-    Arrangement, Ending, Grid, Integrator, Margins, Phase, Planner, Preset, Program, Refinement,
-    Settings,
-};
+use ocp::{Arrangement, Ending, Margins, Phase, Planner, Preset, Refinement, Settings};
 use scene::{Scene, SequenceFile};
 use spatial::Pose;
 use std::path::Path;
@@ -223,49 +220,6 @@ fn a_stride_over_a_stair_leans_more_than_one_onto_it() {
     let (onto, over) = (most("stairs/up_one.toml"), most("stairs/skip.toml"));
     assert!(onto < 0.4, "{onto}");
     assert!(over > onto + 0.1, "{over} > {onto}");
-}
-
-#[test]
-fn on_fine_grids_the_weight_is_over_the_standing_foot_before_another_one_lands() {
-    let (scene, mut phases, mut settings) = sequence("flat/forward_2.toml");
-    settings.integrator = Integrator::ConstantAcceleration;
-    let planner = Planner::new(&scene).expect("a model");
-    let landing = (1..phases.len())
-        .find(|&k| phases[k].state.contacts.len() > phases[k - 1].state.contacts.len())
-        .expect("a foot lands");
-    for phase in &mut phases {
-        phase.steps = 50;
-    }
-    let balanced = |max_step: f64| {
-        let settings = Settings {
-            max_step,
-            ..settings.clone()
-        };
-        let nodes = vec![planner.system.start(&scene); 50 * phases.len() + 1];
-        let crossings = ocp::collision::Crossings::new();
-        let near = ocp::collision::Clearances::Near {
-            nodes: &nodes,
-            crossings: &crossings,
-        };
-        let program = Program::new(
-            &scene,
-            &planner.system,
-            &planner.collisions,
-            &phases,
-            &settings,
-            Grid::Motion,
-            near,
-        );
-        let swing = 50 * (landing - 1)..50 * landing;
-        let is_balanced = |t: &usize| program.nodes[*t].balance.is_some();
-        swing
-            .filter(is_balanced)
-            .map(|t| t % 50)
-            .collect::<Vec<_>>()
-    };
-    // Of the last 0.4 s in steps of 20 ms.
-    assert_eq!(balanced(0.02), (30..50).collect::<Vec<_>>());
-    assert!(balanced(0.12).is_empty(), "coarse grids are left alone");
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Tests of the trajectory problem as a whole.
 mod derivatives;
+mod fine_grids;
 mod idle;
 mod keyframes;
 mod paper;
