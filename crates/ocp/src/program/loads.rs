@@ -138,12 +138,12 @@ impl Builder<'_> {
     /// Weight of what a foot's load differs from an equal share: little at the moments at which a foot lands or leaves, so that nobody
     /// falls into a landing to share its load at once.
     pub(super) fn sharing(&self, t: usize, phases: &[Phase]) -> f64 {
-        let away = self.from_change_of_feet(t, phases) / SHARED_AFTER;
+        let away = self.time_to_change_of_feet(t, phases) / SHARED_AFTER;
         self.program.settings.weights.sharing * away.clamp(LEAST_SHARING, 1.0)
     }
 
     /// Time from the middle of an interval to the nearest moment at which a foot lands or leaves, in longest steps [s].
-    fn from_change_of_feet(&self, t: usize, phases: &[Phase]) -> f64 {
+    fn time_to_change_of_feet(&self, t: usize, phases: &[Phase]) -> f64 {
         let p = &self.program;
         let is_foot = |c: &Contact| self.scene.interfaces[c.a.0].role == Role::Foot;
         let feet = |k: usize| -> ContactState { phases[k].state.iter().filter(is_foot).collect() };
