@@ -5,11 +5,12 @@
 //! |f_i| ≤ u W, and for feet
 //! f_n ≥ min(λ W, ½ u W) (margin `load`, λ) and the centre of pressure within max(u, u_0) of its extents around the last
 //! joint, moving to the middle with u. On fine grids u² σ W of f_n counts for nothing there (margin `spare`, σ), so that feet bear
-//! u² σ W at least.
+//! u² σ W at least. There the cost w ((f_n − W/n) / W)² draws n feet to equal shares (weight `sharing`, w), less where one lands or
+//! leaves.
 //!
 //! Source: ours. A foot that bears little is turned by any moment that its controller counts on, so it should not stay so for
 //! long; benches/runs/2026-11-23-double-support.md, benches/runs/2026-11-23-calm-landings.md,
-//! benches/runs/2026-11-24-landings.md, benches/runs/2026-11-27-spare-load.md.
+//! benches/runs/2026-11-24-landings.md, benches/runs/2026-11-27-spare-load.md, benches/runs/2026-11-29-shared-loads.md.
 
 use super::{Builder, PARTS, Phase, Stage};
 use scene::{Owner, Role};

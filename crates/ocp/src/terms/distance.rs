@@ -172,12 +172,6 @@ impl Sums {
         self.angular_angular += Matrix3::from_columns(&[cross(0), cross(1), cross(2)]);
     }
 
-    /// What the gradient `g` has in the Hessian, since the end of `arm` moves by ρ + ω × arm + ½ ω × (ρ + ω × arm).
-    #[inline]
-    fn add_turning(&mut self, arm: &Vector3<f64>, g: &Vector3<f64>) {
-        self.angular_angular += direction_block(g, arm);
-    }
-
     /// The gradient in the axes of a.
     fn gradient(&self, obstacle_from_a: &Matrix3<f64>) -> Vector6<f64> {
         let (v, w) = (
@@ -400,7 +394,8 @@ impl PoseTerm for Distance {
             let g = d.gradient * weight;
             sums.add_gradient(&arm, &g);
             if curved {
-                sums.add_turning(&arm, &g);
+                // The end of the arm moves by ρ + ω × arm + ½ ω × (ρ + ω × arm).
+                sums.angular_angular += direction_block(&g, &arm);
                 sums.subtract_square(&arm, &d.gradient, weight * (d.curb + 1.0 / EVENNESS));
                 if let Some(h) = d.curved {
                     sums.add_hessian(&arm, &(h * weight));
