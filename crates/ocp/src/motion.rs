@@ -444,7 +444,7 @@ pub(crate) fn near<'a>(nodes: &'a [Vec<f64>], crossings: &'a Crossings) -> Clear
 }
 
 /// Largest violation of a program's rows at a point (scaled).
-pub(crate) fn violation_of(program: &Program, point: &Point) -> f64 {
+fn violation_of(program: &Program, point: &Point) -> f64 {
     let mut trajectory = Trajectory::new(program.clone());
     let data = evaluate(&mut trajectory, point);
     largest_violation(&data, trajectory.structure())

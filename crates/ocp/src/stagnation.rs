@@ -1,4 +1,4 @@
-//! When a solve for keyframes has stopped getting anywhere.
+//! When a solve for keyframes or a path has stopped getting anywhere.
 
 use crate::keyframes::KEYFRAME_TOLERANCE;
 use solver::Iteration;

@@ -103,7 +103,7 @@ impl Default for Options {
             initial_barrier: 5e-3,
             min_barrier: 1e-8,
             row_regularisation: 1e-7,
-            refinements: 3,
+            refinements: 2,
             bound_push: 1e-2,
             first_damping: 0.25,
             tightening: 0.25,
