@@ -23,6 +23,8 @@ const FAR: f64 = 0.2;
 /// in all rounds (benches/runs/2026-11-28-carried-on.md).
 const MOST: usize = 80;
 const MOST_KNOWN: usize = 250;
+/// Rounds of refinement of a step; with one less two beginnings of `tasks/past_higher` are refused (benches/runs/2026-11-29-paths.md).
+const REFINEMENTS: usize = 3;
 /// Phases that are solved together for a guess.
 const WINDOW: usize = 3;
 
@@ -436,6 +438,7 @@ impl<'a> Ask<'a> {
             dual_tolerance: optimality,
             complementarity_tolerance: optimality,
             min_barrier: 1e-6,
+            refinements: REFINEMENTS,
             convexification: Convexification::Shift,
             keeps_filter: true, // without it a beginning of `climb/carry` ends in a local minimum
             ..manner
