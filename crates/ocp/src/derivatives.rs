@@ -3,12 +3,12 @@
 use crate::chain::{Motion, StateLayout};
 use crate::momentum::Context;
 use crate::point::Point;
-use crate::problem::{element_nodes, physical_wrench, posture_cost, velocity_scale};
+use crate::problem::{element_nodes, physical_wrench, velocity_scale};
 use crate::slip::Place;
 use crate::states::{self, At};
 use crate::terms::PoseTerm;
 use crate::torque_speed::Velocities;
-use crate::worker::{NearestOfInterval, Worker};
+use crate::worker::{NearestOfInterval, Scratch, Worker};
 use nalgebra::{Matrix6, Vector6};
 use solver::{BlockStructure, ElementData};
 
@@ -22,23 +22,18 @@ impl Worker<'_> {
         nearest: &NearestOfInterval,
         out: &mut ElementData,
     ) {
-        let n = self.program.structure.elements[t].vars.len();
         out.gradient.fill(0.0);
-        for (j, column) in out.hessian.chunks_exact_mut(n).enumerate() {
-            column[j..].fill(0.0);
-        }
+        lower_triangle(out, |column| column.fill(0.0));
         self.motion_derivatives(x, t, y, out);
-        for sum in self.scratch.pose_sums.iter_mut().flatten() {
-            sum.clear();
-        }
+        self.clear_pose_sums();
         self.stick_derivatives(t, y, out);
         let program = self.program;
         let interval = &program.intervals[t];
         let s = &mut *self.scratch;
         for node in element_nodes(program, t) {
-            let Some(first) = (if node == t { interval.a } else { interval.b }) else {
+            if (if node == t { interval.a } else { interval.b }).is_none() {
                 continue;
-            };
+            }
             let sums = &mut s.pose_sums[node - t];
             let nearest = &nearest.nodes[node - t];
             for (term, nearest) in program.nodes[node].terms.iter().zip(nearest) {
@@ -64,38 +59,52 @@ impl Worker<'_> {
                 }
                 sums[term.slot].add(&weighted_sum(gradients, weights), &hessian);
             }
-            for cost in &program.nodes[node].costs {
-                let relative = &self.nodes[node].relatives[cost.slot];
-                let gradients = &mut s.gradients[..cost.weights.len()];
-                let hessian = cost
-                    .term
-                    .derivatives(&relative.b_from_a, &cost.weights, gradients);
-                let gradient = weighted_sum(gradients, &cost.weights);
-                sums[cost.slot].add(&gradient, &hessian);
-                sums[cost.slot].cost_gradient += gradient;
-            }
-            if let Some(balance) = &program.nodes[node].balance {
-                let kinematics = &self.nodes[node].kinematics;
-                let (gradient, hessian) = (&mut out.gradient, &mut out.hessian);
-                balance.derivatives(
-                    &program.system.model,
-                    kinematics,
-                    &mut s.balance,
-                    |i, value| gradient[first + i] += value,
-                    |i, j, value| hessian[(first + j) * n + first + i] += value,
-                );
-            }
-            posture_cost(program, node, &x.nodes[node], |i, gradient, curvature| {
-                out.gradient[first + i] += gradient;
-                out.hessian[(first + i) * n + first + i] += curvature;
-            });
         }
+        self.node_cost_derivatives(x, t, out);
+        let s = &mut *self.scratch;
         let place = (t, &self.differences[t], &nearest.passages[..]);
         let (way, gradients) = (&mut s.way, &mut s.gradients);
         self.passages
             .derivatives(program, place, y, (way, gradients), out);
+        self.force_cost_derivatives(x, t, out);
         self.force_derivatives(x, t, y, out);
         self.chain_poses(t, out);
+    }
+
+    /// Multiplies what the rows have in the Hessian of interval `t` by `factor`, below one.
+    pub(crate) fn scale_row_curvature(
+        &mut self,
+        x: &Point,
+        t: usize,
+        factor: f64,
+        out: &mut ElementData,
+    ) {
+        // H becomes ((factor / rest) H + ∇²f) rest: what is added to H is the same as in `derivatives`.
+        let rest = 1.0 - factor;
+        lower_triangle(out, |column| {
+            for h in column {
+                *h *= factor / rest;
+            }
+        });
+        out.gradient.fill(0.0);
+        self.motion(x, t);
+        self.scratch.chain.start_empty();
+        self.chain_motion(t, false, out);
+        self.clear_pose_sums();
+        self.node_cost_derivatives(x, t, out);
+        self.force_cost_derivatives(x, t, out);
+        self.chain_poses(t, out);
+        lower_triangle(out, |column| {
+            for h in column {
+                *h *= rest;
+            }
+        });
+    }
+
+    fn clear_pose_sums(&mut self) {
+        for sum in self.scratch.pose_sums.iter_mut().flatten() {
+            sum.clear();
+        }
     }
 
     /// Sticking: −φ(X_t) + φ(X_{t+1}).
@@ -297,22 +306,37 @@ impl Worker<'_> {
                 s.chain.by_v_gradient[i] += y[first + k] / scale;
             }
         }
-        let share = program.share[interval.phase];
-        s.chain
-            .add_costs(program.motion_weights(t), share, interval.dynamics);
-        let (gradient, hessian) = (&mut out.gradient, &mut out.hessian);
-        if let Some(layout) = &states {
-            s.chain.state_finish(&s.hessian, layout, gradient, hessian);
+        let (equations, has_states) = (interval.dynamics, states.is_some());
+        self.chain_motion(t, equations, out);
+        if has_states {
             self.state_derivatives(t, y, out);
-        } else {
-            let dynamics = interval.dynamics.then_some(&s.hessian);
-            s.chain
-                .finish(dynamics, here, next, &layout, gradient, hessian);
         }
-        let (program, s) = (self.program, &*self.scratch);
+    }
+
+    /// Adds the costs of velocities, accelerations and time, and takes them with what the chain has to the element; with the
+    /// Hessian of the `equations` of motion, or without.
+    fn chain_motion(&mut self, t: usize, equations: bool, out: &mut ElementData) {
+        let program = self.program;
         let interval = &program.intervals[t];
+        let (gradient, hessian) = (&mut out.gradient, &mut out.hessian);
+        let Scratch {
+            chain,
+            hessian: of_equations,
+            ..
+        } = &mut *self.scratch;
+        let equations = equations.then_some(&*of_equations);
+        let share = program.share[interval.phase];
+        chain.add_costs(program.motion_weights(t), share, interval.dynamics);
+        let states = (program.has_velocities()).then(|| StateLayout::of(interval));
+        if let Some(layout) = states.flatten() {
+            chain.state_finish(equations, &layout, gradient, hessian);
+        } else {
+            let here = interval.v.then(|| &self.differences[t]);
+            let next = interval.v_next.then(|| &self.differences[t + 1]);
+            chain.finish(equations, here, next, &interval.into(), gradient, hessian);
+        }
         if let (true, Some(time)) = (interval.dynamics, interval.time) {
-            out.gradient[time] += program.settings.weights.time / s.chain.motion.steps;
+            gradient[time] += program.settings.weights.time / chain.motion.steps;
         }
     }
 
@@ -341,30 +365,11 @@ impl Worker<'_> {
         let program = self.program;
         let interval = &program.intervals[t];
         let n = program.structure.elements[t].vars.len();
-        let share = program.share[interval.phase];
         let s = &mut *self.scratch;
-        for &(here, next) in &interval.changes {
-            let weight = program.settings.weights.force_rate / share;
-            let first = program.intervals[t + 1].wrench_var;
-            let variable = program.structure.elements[t].vars[next] - first;
-            let change = x.wrenches[t + 1][variable] - x.wrenches[t][here];
-            out.gradient[here] -= weight * change;
-            out.gradient[next] += weight * change;
-            out.hessian[here * n + here] += weight;
-            out.hessian[next * n + next] += weight;
-            out.hessian[here * n + next] -= weight;
-        }
         for force in &interval.forces {
             let wrench = physical_wrench(force, &x.wrenches[t]);
             let relative = &self.nodes[t].relatives[force.slot];
             let frame = &program.frames[force.frame];
-            for i in 0..force.n {
-                let v = force.first + i;
-                let difference = x.wrenches[t][v] - force.reference[i];
-                let weight = force.weights[i] * share;
-                out.gradient[v] += weight * difference;
-                out.hessian[v * n + v] += weight;
-            }
             for rows in &force.rows {
                 let m = rows.n_rows;
                 let gradients = &mut s.force_gradients[..m];
@@ -433,6 +438,12 @@ impl PoseSum {
         }
     }
 
+    /// Adds a term of the costs.
+    pub fn add_cost(&mut self, gradient: &Vector6<f64>, hessian: &Matrix6<f64>) {
+        self.add(gradient, hessian);
+        self.cost_gradient += gradient;
+    }
+
     /// Adds a term; one far away, whose gradient is zero, costs nothing later.
     fn add(&mut self, gradient: &Vector6<f64>, hessian: &Matrix6<f64>) {
         if *gradient != Vector6::zeros() || *hessian != Matrix6::zeros() {
@@ -451,6 +462,13 @@ fn take_block(block: &BlockStructure, (all, n_rows): (&[f64], usize), out: &mut 
     }
 }
 
-fn weighted_sum(gradients: &[Vector6<f64>], weights: &[f64]) -> Vector6<f64> {
+/// Does something with every column of the lower triangle of an element's Hessian.
+fn lower_triangle(out: &mut ElementData, work: impl Fn(&mut [f64])) {
+    let n = out.gradient.len();
+    let columns = out.hessian.chunks_exact_mut(n.max(1)).enumerate();
+    columns.for_each(|(j, column)| work(&mut column[j..]));
+}
+
+pub(crate) fn weighted_sum(gradients: &[Vector6<f64>], weights: &[f64]) -> Vector6<f64> {
     gradients.iter().zip(weights).map(|(g, w)| g * *w).sum()
 }

@@ -1,13 +1,15 @@
-//! The objective of one interval, term by term.
+//! The objective of one interval, term by term, and its derivatives.
 //!
 //! The terms of an interval are those of its element: time, velocities, accelerations, wrenches and their changes, and the
 //! costs of the nodes that belong to it ([`element_nodes`]). All are non-negative but the last, [`CostTerm::Goal`].
 //! Source: the paper's objective, formulation 2.14; weights in [`crate::Weights`].
 
 use crate::chain::Motion;
+use crate::derivatives::weighted_sum;
 use crate::point::Point;
 use crate::problem::{element_nodes, posture_cost};
 use crate::worker::Worker;
+use solver::ElementData;
 
 /// A term of the objective.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -160,6 +162,69 @@ impl Worker<'_> {
             costs.add(program.nodes[node].posture_kind, posture);
         }
         costs
+    }
+
+    /// Adds the derivatives of the costs of relative poses to their sums, and of balance and posture to the element.
+    pub(crate) fn node_cost_derivatives(&mut self, x: &Point, t: usize, out: &mut ElementData) {
+        let program = self.program;
+        let interval = &program.intervals[t];
+        let n = out.gradient.len();
+        let s = &mut *self.scratch;
+        for node in element_nodes(program, t) {
+            let Some(first) = (if node == t { interval.a } else { interval.b }) else {
+                continue;
+            };
+            let sums = &mut s.pose_sums[node - t];
+            for cost in &program.nodes[node].costs {
+                let pose = &self.nodes[node].relatives[cost.slot].b_from_a;
+                let gradients = &mut s.gradients[..cost.weights.len()];
+                let hessian = cost.term.derivatives(pose, &cost.weights, gradients);
+                sums[cost.slot].add_cost(&weighted_sum(gradients, &cost.weights), &hessian);
+            }
+            if let Some(balance) = &program.nodes[node].balance {
+                let kinematics = &self.nodes[node].kinematics;
+                let (gradient, hessian) = (&mut out.gradient, &mut out.hessian);
+                balance.derivatives(
+                    &program.system.model,
+                    kinematics,
+                    &mut s.balance,
+                    |i, value| gradient[first + i] += value,
+                    |i, j, value| hessian[(first + j) * n + first + i] += value,
+                );
+            }
+            posture_cost(program, node, &x.nodes[node], |i, gradient, curvature| {
+                out.gradient[first + i] += gradient;
+                out.hessian[(first + i) * n + first + i] += curvature;
+            });
+        }
+    }
+
+    /// Adds the derivatives of the costs of wrenches and of their changes.
+    pub(crate) fn force_cost_derivatives(&self, x: &Point, t: usize, out: &mut ElementData) {
+        let program = self.program;
+        let interval = &program.intervals[t];
+        let n = out.gradient.len();
+        let share = program.share[interval.phase];
+        for &(here, next) in &interval.changes {
+            let weight = program.settings.weights.force_rate / share;
+            let first = program.intervals[t + 1].wrench_var;
+            let variable = program.structure.elements[t].vars[next] - first;
+            let change = x.wrenches[t + 1][variable] - x.wrenches[t][here];
+            out.gradient[here] -= weight * change;
+            out.gradient[next] += weight * change;
+            out.hessian[here * n + here] += weight;
+            out.hessian[next * n + next] += weight;
+            out.hessian[here * n + next] -= weight;
+        }
+        for force in &interval.forces {
+            for i in 0..force.n {
+                let v = force.first + i;
+                let difference = x.wrenches[t][v] - force.reference[i];
+                let weight = force.weights[i] * share;
+                out.gradient[v] += weight * difference;
+                out.hessian[v * n + v] += weight;
+            }
+        }
     }
 }
 

@@ -331,4 +331,10 @@ impl Problem for Trajectory {
             worker.derivatives(x, t, y, nearest, data);
         });
     }
+
+    fn scale_row_curvature(&mut self, x: &Point, factor: f64, out: &mut [ElementData]) {
+        self.each_interval(out, |worker, t, (data, _, _)| {
+            worker.scale_row_curvature(x, t, factor, data);
+        });
+    }
 }

@@ -141,4 +141,17 @@ pub trait Problem {
     /// Writes everything of every element; `multipliers` has one slice of row multipliers per element, in order of
     /// the rows, concatenated.
     fn linearise(&mut self, x: &Self::Point, multipliers: &[f64], out: &mut [ElementData]);
+
+    /// Multiplies what the rows have in the Hessians by `factor`, which is below one: H becomes `factor` · H + (1 − `factor`) ∇²f.
+    /// `x` is where `out` was linearised last; all else of it stays.
+    fn scale_row_curvature(&mut self, x: &Self::Point, factor: f64, out: &mut [ElementData]) {
+        let n_rows = out.iter().map(|data| data.values.len()).sum();
+        let mut objective = out.to_vec();
+        self.linearise(x, &vec![0.0; n_rows], &mut objective);
+        for (data, objective) in out.iter_mut().zip(&objective) {
+            for (h, f) in data.hessian.iter_mut().zip(&objective.hessian) {
+                *h = f + factor * (*h - f);
+            }
+        }
+    }
 }

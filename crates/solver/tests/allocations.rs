@@ -116,6 +116,15 @@ impl Problem for Pendulums {
             }
         }
     }
+
+    fn scale_row_curvature(&mut self, _: &Vec<f64>, factor: f64, out: &mut [ElementData]) {
+        let n = 2 * NODE;
+        for data in out {
+            for i in 0..WIDTH {
+                data.hessian[3 * i * n + 3 * i] *= factor;
+            }
+        }
+    }
 }
 
 /// Solves for a final angle with at most so many iterations; also the most trial points of a line search and the

@@ -65,15 +65,14 @@ impl Chain {
         }
     }
 
-    /// Adds the cost gradient and the Hessian of the Lagrangian to the element.
+    /// Adds the cost gradient and the Hessian of the Lagrangian to the element; `dynamics` as given to [`Chain::start`], if it was.
     pub fn state_finish(
         &mut self,
-        dynamics: &RneaHessian,
+        dynamics: Option<&RneaHessian>,
         layout: &StateLayout,
         gradient: &mut [f64],
         hessian: &mut [f64],
     ) {
-        let qa = dynamics.hessian_qa();
         let n = gradient.len();
         let Motion { a, dt, steps, .. } = &self.motion;
         let (dt, steps, nv) = (*dt, *steps, a.len());
@@ -99,8 +98,10 @@ impl Chain {
                 }
             }
         };
-        lower(q, &self.qq);
-        lower(v, dynamics.hessian_vv());
+        if let Some(dynamics) = dynamics {
+            lower(q, &self.qq);
+            lower(v, dynamics.hessian_vv());
+        }
         for i in 0..nv {
             let curvature = self.da[i] / (dt * dt);
             if let Some(v) = v {
@@ -123,7 +124,10 @@ impl Chain {
             let twice = (2.0 * self.by_a_gradient[i] + self.da[i] * a[i]) * a[i];
             add(time, time, twice / (dt * dt * steps * steps));
         }
-        let Some(q) = q else { return };
+        let (Some(q), Some(dynamics)) = (q, dynamics) else {
+            return;
+        };
+        let qa = dynamics.hessian_qa();
         for c in 0..nv {
             for r in 0..nv {
                 let by_a = qa[(r, c)] / dt;

@@ -215,6 +215,50 @@ fn the_terms_of_the_cost_are_the_objective() {
 }
 
 #[test]
+fn the_curvature_of_the_rows_is_scaled_between_that_of_the_lagrangian_and_that_of_the_objective() {
+    let euler = Integrator::Euler;
+    let cases = [
+        (Grid::Motion, Preset::Default, euler),
+        (
+            Grid::Motion,
+            Preset::Default,
+            Integrator::ConstantAcceleration,
+        ),
+        (Grid::Motion, Preset::Paper, euler),
+        (Grid::Path, Preset::Default, euler),
+        (Grid::Keyframes, Preset::Default, euler),
+    ];
+    for (grid, preset, integrator) in cases {
+        let (mut trajectory, x) = program_with(2, grid, preset, integrator);
+        let elements = &trajectory.structure().elements;
+        let mut data: Vec<_> = elements.iter().map(ElementData::new).collect();
+        let n_rows = data.iter().map(|d| d.values.len()).sum();
+        let mut objective = data.clone();
+        let mut random = Random::new(5);
+        let y: Vec<f64> = (0..n_rows).map(|_| random.uniform(-1.0, 1.0)).collect();
+        trajectory.linearise(&x, &vec![0.0; n_rows], &mut objective);
+        for factor in [0.0, 0.5, 0.25] {
+            trajectory.linearise(&x, &y, &mut data);
+            let lagrangian = data.clone();
+            trajectory.scale_row_curvature(&x, factor, &mut data);
+            let (mut largest, mut rows) = (0.0_f64, 0.0_f64);
+            for ((d, l), f) in data.iter().zip(&lagrangian).zip(&objective) {
+                assert_eq!((&d.gradient, &d.values), (&l.gradient, &l.values));
+                assert_eq!(d.jacobians, l.jacobians);
+                let n = d.gradient.len();
+                for (i, j) in (0..n).flat_map(|j| (j..n).map(move |i| (i, j))) {
+                    let [h, l, f] = [d, l, f].map(|data| data.hessian[j * n + i]);
+                    let difference = h - (factor * l + (1.0 - factor) * f);
+                    largest = largest.max(difference.abs() / (1.0 + l.abs()));
+                    rows = rows.max((l - f).abs());
+                }
+            }
+            assert!(largest < 1e-12 && rows > 0.1, "{grid:?}: {largest}, {rows}");
+        }
+    }
+}
+
+#[test]
 fn torque_at_speed_has_rows_unless_torque_limits_are_lifted_or_the_problem_is_the_papers() {
     let rows = |preset, integrator, limits| {
         let (trajectory, _) = program_with(0, Grid::Motion, preset, integrator);

@@ -11,7 +11,7 @@ use std::time::Instant;
 use super::InteriorPoint;
 use super::state::State;
 use crate::kkt::Diagonals;
-use crate::{Convexification, Problem, threads};
+use crate::{Convexification, Problem};
 
 /// Largest shift.
 const MAX_SHIFT: f64 = 1e12;
@@ -110,7 +110,10 @@ impl<P: Problem> InteriorPoint<P> {
         let mut inertia = Inertia::newton(state.forced_shift);
         while !self.factorise_shifted(state, inertia.shift) && inertia.shift <= MAX_SHIFT {
             let next = inertia.next(how, state.last_inertia, state.forced_shift);
-            self.bend(problem, x, inertia.curvature, next.curvature);
+            if next.curvature < inertia.curvature {
+                let factor = next.curvature / inertia.curvature;
+                problem.scale_row_curvature(x, factor, &mut self.data);
+            }
             inertia = next;
         }
         self.timing.factorise += clock.elapsed();
@@ -120,45 +123,6 @@ impl<P: Problem> InteriorPoint<P> {
             Convexification::Shift => {}
         }
         (inertia.shift <= MAX_SHIFT).then_some(inertia)
-    }
-
-    /// Turns Hessians with the share `from` of the rows' curvature into those with the share `to`: they lie on the line through
-    /// those that have all of it, which are kept, and those that have none.
-    fn bend(&mut self, problem: &mut P, x: &P::Point, from: f64, to: f64) {
-        if from == to {
-            return;
-        }
-        let mut from = from;
-        if from == 1.0 {
-            self.each_hessian(|hessian, newton| newton.copy_from_slice(hessian));
-            problem.linearise(x, &self.scratch.no_multipliers, &mut self.data);
-            from = 0.0;
-        }
-        if from != to {
-            let ratio = (1.0 - to) / (1.0 - from);
-            self.each_hessian(|hessian, newton| {
-                for (h, n) in hessian.iter_mut().zip(newton) {
-                    *h = *n + ratio * (*h - *n);
-                }
-            });
-        }
-    }
-
-    /// Does something with every column of every element's Hessian, from the diagonal on, and the same of the one kept.
-    fn each_hessian(&mut self, work: impl Fn(&mut [f64], &mut [f64]) + Sync) {
-        let size = self.data.len().div_ceil(self.kkt.threads()).max(1);
-        let kept = self.newton_hessians.chunks_mut(size);
-        threads::each(self.data.chunks_mut(size).zip(kept), |(data, kept)| {
-            for (data, kept) in data.iter_mut().zip(kept) {
-                let mut kept = &mut kept[..];
-                let n = data.gradient.len();
-                for (j, column) in data.hessian.chunks_exact_mut(n.max(1)).enumerate() {
-                    let (here, rest) = kept.split_at_mut(n - j);
-                    work(&mut column[j..], here);
-                    kept = rest;
-                }
-            }
-        });
     }
 
     /// True if the system with this shift is positive definite.

@@ -40,8 +40,6 @@ pub struct InteriorPoint<P: Problem> {
     fixed: Fixed,
     /// Values and derivatives at the current point.
     data: Vec<ElementData>,
-    /// Hessians with all curvature of the rows, where those of `data` have less; columns from the diagonal on.
-    newton_hessians: Vec<Vec<f64>>,
     /// Values at the trial point.
     trial: Vec<ElementData>,
     scratch: Scratch,
@@ -65,8 +63,6 @@ struct Scratch {
     /// Diagonals of the Newton system.
     diagonal_x: Vec<f64>,
     diagonal_y: Vec<f64>,
-    /// Multipliers that drop the curvature of the rows.
-    no_multipliers: Vec<f64>,
     /// The step, and its second-order correction.
     step: Direction,
     second: Direction,
@@ -82,15 +78,11 @@ impl<P: Problem> InteriorPoint<P> {
         let kkt = Kkt::new(structure);
         let (n, m) = (structure.n_vars, kkt.n_rows());
         let unwritten = |length: usize| vec![f64::NAN; length];
-        let triangle = |n: usize| n * (n + 1) / 2;
         Self {
             structure: structure.clone(),
             kkt,
             fixed: Fixed::new(structure),
             data: elements().map(ElementData::new).collect(),
-            newton_hessians: elements()
-                .map(|e| unwritten(triangle(e.vars.len())))
-                .collect(),
             trial: elements().map(ElementData::of_values).collect(),
             scratch: Scratch {
                 rows: unwritten(m),
@@ -100,7 +92,6 @@ impl<P: Problem> InteriorPoint<P> {
                 corrected: unwritten(m),
                 diagonal_x: unwritten(n),
                 diagonal_y: unwritten(m),
-                no_multipliers: vec![0.0; m],
                 step: Direction::new(n, m),
                 second: Direction::new(n, m),
             },
