@@ -89,6 +89,11 @@ fn nearest_of_edges(
     out
 }
 
+/// True if no point on the edges of either box can be as near to the other one as `below` [m], by the middle of the first alone.
+fn are_apart(of: &Vector3<f64>, to: &Obstacle, to_from_of: &Pose, below: f64) -> bool {
+    to.roughly_nearest(&to_from_of.origin()) - of.norm() - 2.0 * POINT >= below
+}
+
 /// Points on the edges of a box that are nearer to another one than `below` [m], the nearest ones of each surrounding: their
 /// distances [m], least first, and balls in the frame of the box whose edges they are. None unless both are boxes.
 pub(super) fn nearest(
@@ -100,6 +105,9 @@ pub(super) fn nearest(
     let (Obstacle::Box(half), Obstacle::Box(other)) = (of, to) else {
         return vec![];
     };
+    if are_apart(half, to, to_from_of, below) {
+        return vec![];
+    }
     let reach = other.norm() + POINT + EVENNESS + below.max(0.0);
     let near = (to_from_of.inverse().origin(), reach);
     let distance = |p: Vector3<f64>| (to.roughly_nearest(&to_from_of.act(p)) - POINT, p);
@@ -138,10 +146,16 @@ impl CollisionModel {
         let (a_from_own, b_from_other) = (own.from_body.inverse(), other.from_body.inverse());
         for kinematics in window {
             let x = other.pose_of_joint(kinematics, a);
+            let there = x * a_from_own;
+            let Obstacle::Box(half) = &own.obstacle else {
+                continue;
+            };
+            if are_apart(half, &other.obstacle, &there, 0.0) {
+                continue;
+            }
             let distance = |(c, r): &Ball| other.obstacle.roughly_nearest(&x.act(*c)) - r;
             let corners = self.balls[a].iter().map(distance);
             let below = (corners.fold(f64::INFINITY, f64::min) - NEARER).min(0.0);
-            let there = x * a_from_own;
             let found = nearest(&own.obstacle, &other.obstacle, &there, below);
             add(found, a_from_own, &mut of_own);
             if other.body.is_some() || !self.parts[a].is_empty() {

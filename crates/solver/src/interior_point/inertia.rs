@@ -48,27 +48,32 @@ impl Inertia {
         }
     }
 
-    /// What to try when this was not enough; `last` is what earlier systems needed ([`State::last_inertia`]), `forced` the
-    /// least shift.
+    /// [`Convexification::Curvature`]: the curvature of the rows halved so many times; `forced` is the least shift.
+    fn halved(level: i32, forced: f64) -> Self {
+        if level == 0 {
+            return Self::newton(forced);
+        }
+        let curved = level <= LAST_CURVED;
+        let shift = LEVEL_SHIFT * LEVEL_GROWTH.powi(level - 1);
+        Self {
+            curvature: if curved { 0.5_f64.powi(level) } else { 0.0 },
+            shift: shift.max(forced),
+            level,
+        }
+    }
+
+    /// What to try first; `last` is what earlier systems needed ([`State::last_inertia`]), `forced` the least shift.
+    fn first(how: Convexification, last: Self, forced: f64) -> Self {
+        match how {
+            Convexification::Curvature => Self::halved((last.level - 1).max(0), forced),
+            Convexification::Shift => Self::newton(forced),
+        }
+    }
+
+    /// What to try when this was not enough.
     fn next(self, how: Convexification, last: Self, forced: f64) -> Self {
         match how {
-            Convexification::Curvature => {
-                let level = if self.level == 0 {
-                    (last.level - 1).max(1)
-                } else {
-                    self.level + 1
-                };
-                let shift = LEVEL_SHIFT * LEVEL_GROWTH.powi(level - 1);
-                Self {
-                    curvature: if level > LAST_CURVED {
-                        0.0
-                    } else {
-                        0.5_f64.powi(level)
-                    },
-                    shift: shift.max(forced),
-                    level,
-                }
-            }
+            Convexification::Curvature => Self::halved(self.level + 1, forced),
             Convexification::Shift => {
                 if self.curvature > 0.0 && self.shift >= GN_SHIFT.max(forced) {
                     return Self {
@@ -108,13 +113,17 @@ impl<P: Problem> InteriorPoint<P> {
         }
         let how = state.options.convexification;
         let mut inertia = Inertia::newton(state.forced_shift);
-        while !self.factorise_shifted(state, inertia.shift) && inertia.shift <= MAX_SHIFT {
-            let next = inertia.next(how, state.last_inertia, state.forced_shift);
+        let mut next = Inertia::first(how, state.last_inertia, state.forced_shift);
+        loop {
             if next.curvature < inertia.curvature {
                 let factor = next.curvature / inertia.curvature;
                 problem.scale_row_curvature(x, factor, &mut self.data);
             }
             inertia = next;
+            if inertia.shift > MAX_SHIFT || self.factorise_shifted(state, inertia.shift) {
+                break;
+            }
+            next = inertia.next(how, state.last_inertia, state.forced_shift);
         }
         self.timing.factorise += clock.elapsed();
         match how {
@@ -148,7 +157,7 @@ mod tests {
 
     /// Curvature and shift of what is tried one after the other.
     fn tried(how: Convexification, last: Inertia, forced: f64) -> Vec<(f64, f64)> {
-        let first = Some(Inertia::newton(forced));
+        let first = Some(Inertia::first(how, last, forced));
         let all = std::iter::successors(first, |now| Some(now.next(how, last, forced)));
         all.map(|i| (i.curvature, i.shift)).take(9).collect()
     }
@@ -165,12 +174,10 @@ mod tests {
 
     #[test]
     fn what_is_tried_begins_with_twice_the_curvature_of_the_last_system() {
-        let mut last = Inertia::newton(0.0);
-        for _ in 0..3 {
-            last = last.next(Convexification::Curvature, last, 0.0);
+        for (level, first) in [(0, (1.0, 0.0)), (1, (1.0, 0.0)), (3, (0.25, 0.02))] {
+            let last = Inertia::halved(level, 0.0);
+            assert_eq!(tried(Convexification::Curvature, last, 0.0)[0], first);
         }
-        let again = tried(Convexification::Curvature, last, 0.0);
-        assert_eq!(again[..3], [(1.0, 0.0), (0.25, 0.02), (0.125, 0.04)]);
     }
 
     #[test]
