@@ -23,7 +23,7 @@ impl Default for SearchOptions {
             max_skeleton: None,
             max_changes: 1,
             support_hands: false,
-            steps: 8,
+            steps: 6,
             domain: None,
         }
     }
