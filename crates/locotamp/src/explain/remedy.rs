@@ -57,7 +57,14 @@ pub(super) fn find(
             ladder.insert(0, ends[1]);
         }
         let coarse = Effort::Coarse;
-        let Some([_, to]) = climb(trials, scene, knob, coarse, (refused, &ladder)) else {
+        let mut found = climb(trials, scene, knob, coarse, (refused, &ladder));
+        if found.is_none() && guide == Effort::Keyframes {
+            // A motion that is not found need not be impossible: values between those tried, all of which have keyframes.
+            let middle = |pair: &[f64]| knob.rounded(0.5 * (pair[0] + pair[1]), direction);
+            let between: Vec<f64> = ladder.windows(2).map(middle).collect();
+            found = climb(trials, scene, knob, coarse, (refused, &between));
+        }
+        let Some([_, to]) = found else {
             continue;
         };
         if let Some(to) = confirm(trials, scene, knob, to, (&ladder, direction)) {
