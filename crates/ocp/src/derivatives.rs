@@ -306,9 +306,8 @@ impl Worker<'_> {
                 s.chain.by_v_gradient[i] += y[first + k] / scale;
             }
         }
-        let (equations, has_states) = (interval.dynamics, states.is_some());
-        self.chain_motion(t, equations, out);
-        if has_states {
+        self.chain_motion(t, interval.dynamics, out);
+        if states.is_some() {
             self.state_derivatives(t, y, out);
         }
     }

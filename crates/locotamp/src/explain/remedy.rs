@@ -59,7 +59,7 @@ pub(super) fn find(
         let coarse = Effort::Coarse;
         let mut found = climb(trials, scene, knob, coarse, (refused, &ladder));
         if found.is_none() && guide == Effort::Keyframes {
-            // A motion that is not found need not be impossible: values between those tried, all of which have keyframes.
+            // A motion that is not found need not be impossible: values between those that were tried.
             let middle = |pair: &[f64]| knob.rounded(0.5 * (pair[0] + pair[1]), direction);
             let between: Vec<f64> = ladder.windows(2).map(middle).collect();
             found = climb(trials, scene, knob, coarse, (refused, &between));

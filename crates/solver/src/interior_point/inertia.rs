@@ -70,7 +70,7 @@ impl Inertia {
         }
     }
 
-    /// What to try when this was not enough.
+    /// What to try when this was not enough; `last` and `forced` as in [`Inertia::first`].
     fn next(self, how: Convexification, last: Self, forced: f64) -> Self {
         match how {
             Convexification::Curvature => Self::halved(self.level + 1, forced),
