@@ -82,21 +82,17 @@ pub fn solve(
     crate::start::check_start(scene, &planner)?;
     let labels = labels(scene, sequence)?;
     let settings = search::settings_of_one(scene, request)?;
-    let phases: Vec<Phase> = sequence
-        .phases
-        .iter()
-        .map(|phase| Phase {
-            state: phase.state.clone(),
-            steps: phase.steps,
-        })
-        .collect();
+    let phases = phases(sequence);
     let mut stopped = !observe(&Event::Sequence {
         number: NUMBER,
         labels: labels.clone(),
     });
     let start = Instant::now();
-    let known = known(&planner, &phases, &settings, &sequence.configurations);
-    let keyframes = known.unwrap_or_else(|| keyframes(&planner, &phases, &settings, request));
+    let of_the_sequence = known(&planner, &phases, &settings, &sequence.configurations);
+    let are_given = of_the_sequence.is_some();
+    let own = || keyframes(&planner, &phases, &settings, request);
+    let others = || are_given.then(own).filter(|found| found.possible);
+    let keyframes = of_the_sequence.unwrap_or_else(own);
     let mut solved = Solved {
         best: None,
         feasible: false,
@@ -135,7 +131,8 @@ pub fn solve(
             !stopped && !late
         };
         let asked = (&settings, request);
-        let held = attempts(&planner, &phases, asked, &keyframes.nodes, &mut watch);
+        let mut from = |nodes: &[Vec<f64>]| attempts(&planner, &phases, asked, nodes, &mut watch);
+        let held = from(&keyframes.nodes).or_from(others, &mut from);
         let (motion, falls_short) = (held.motion, held.falls_short);
         let ended = match (stopped, late) {
             (true, _) => Some("stopped by the caller".to_owned()),
@@ -186,7 +183,7 @@ struct Held {
     stopped: bool,
 }
 
-/// The motion of a sequence; where a first attempt ends without one, the better of two, with the work of both.
+/// The motion of a sequence from some keyframes; where a first attempt ends without one, the better of two, with the work of both.
 fn attempts(
     planner: &Planner,
     phases: &[Phase],
@@ -205,15 +202,42 @@ fn attempts(
         ..settings.clone()
     };
     let coarse = planner.motion(phases, &another, keyframes, watch);
-    let second = held(coarse, planner, phases, asked, watch);
-    let nearer = second.motion.report.violation < first.motion.report.violation;
-    let (mut better, other) = if second.motion.feasible || nearer {
-        (second, first)
-    } else {
-        (first, second)
-    };
-    better.motion.add_work(&other.motion);
-    better
+    first.or_better(held(coarse, planner, phases, asked, watch))
+}
+
+impl Held {
+    /// The better of two attempts, with the work of both.
+    fn or_better(self, other: Self) -> Self {
+        let nearer = other.motion.report.violation < self.motion.report.violation;
+        let (mut better, rest) = if other.motion.feasible || nearer {
+            (other, self)
+        } else {
+            (self, other)
+        };
+        better.motion.add_work(&rest.motion);
+        better.stopped |= rest.stopped;
+        better
+    }
+
+    /// The better of this and what comes of other keyframes, if there are any, where it may be for want of those that there is no motion:
+    /// configurations of a plan can be on the wrong side of what a foot has to pass between them.
+    fn or_from(
+        self,
+        others: impl FnOnce() -> Option<Keyframes>,
+        attempts: impl FnOnce(&[Vec<f64>]) -> Self,
+    ) -> Self {
+        match self.may_be_chance().then(others).flatten() {
+            Some(others) => self.or_better(attempts(&others.nodes)),
+            None => self,
+        }
+    }
+
+    /// True if there is no motion, and that may be since something was to be passed on the wrong side.
+    fn may_be_chance(&self) -> bool {
+        let worst = self.motion.worst.as_ref();
+        let in_the_way = worst.is_some_and(|w| w.label.category.starts_with("clearance"));
+        !self.motion.feasible && !self.stopped && (self.falls_short || in_the_way)
+    }
 }
 
 /// The motion on the grid on which it must hold, if the request refines motions; the coarse one if that has no solution either,
@@ -299,6 +323,15 @@ impl Solved {
             violation: export::largest_violation(motion),
         });
     }
+}
+
+/// Contacts and intervals of the phases.
+fn phases(sequence: &Sequence) -> Vec<Phase> {
+    let phase = |phase: &scene::SequencePhase| Phase {
+        state: phase.state.clone(),
+        steps: phase.steps,
+    };
+    sequence.phases.iter().map(phase).collect()
 }
 
 /// The scene with the goal of the sequence, if that has one.
