@@ -232,7 +232,7 @@ impl Held {
         }
     }
 
-    /// True if there is no motion, and that may be since something was to be passed on the wrong side.
+    /// True if there is no motion, and that may be since something was to be passed on the wrong side, or if only the finer grid has none.
     fn may_be_chance(&self) -> bool {
         let worst = self.motion.worst.as_ref();
         let in_the_way = worst.is_some_and(|w| w.label.category.starts_with("clearance"));

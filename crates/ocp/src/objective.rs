@@ -35,7 +35,7 @@ pub enum CostTerm {
     ForceRate,
     /// Collision penalties of the paper's problem.
     Collision,
-    /// What guides keyframes and paths, and no motion.
+    /// What guides keyframes and paths, and on fine grids draws a robot over its feet before a landing.
     Guide,
     /// Joint angles about the home posture at the last node.
     FinalPosture,
