@@ -383,3 +383,54 @@ fn no_motion(scene: &Scene, motion: &Motion, ended: Option<String>) -> Option<St
         None => words,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ocp::Preset;
+    use std::path::Path;
+
+    const STAND: &str = "../../scenes/sequences/flat/stand.toml";
+
+    #[test]
+    fn other_keyframes_are_tried_where_the_finer_grid_alone_has_no_motion_and_not_where_forces_lack()
+     {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(STAND);
+        let file = scene::SequenceFile::load(&path).expect("a sequence file");
+        let scene = file.load_scene().expect("its scene");
+        let sequence = file.resolve(&scene).expect("a sequence of the scene");
+        let planner = Planner::new(&scene).expect("a model");
+        let settings = Settings::new(Preset::Default, &scene.optimiser);
+        let phases = phases(&sequence);
+        let found = planner.keyframes(&phases, &settings);
+        let motion = |feasible| Motion {
+            feasible,
+            ..planner.motion(&phases, &settings, &found.nodes, &mut |_| true)
+        };
+        let held = |feasible, falls_short| Held {
+            motion: motion(feasible),
+            falls_short,
+            stopped: false,
+        };
+        let work = held(true, false).motion.iterations;
+        let retried = |first: Held| {
+            let own = planner.keyframes(&phases, &settings);
+            let attempts = |nodes: &[Vec<f64>]| {
+                assert_eq!(nodes, own.nodes);
+                held(true, false)
+            };
+            first.or_from(|| Some(planner.keyframes(&phases, &settings)), attempts)
+        };
+        let better = retried(held(false, true));
+        assert!(better.motion.feasible && !better.falls_short);
+        assert_eq!(better.motion.iterations, 2 * work);
+        let same = retried(held(false, false));
+        assert!(!same.motion.feasible);
+        assert_eq!(same.motion.iterations, work);
+        let stopped = Held {
+            stopped: true,
+            ..held(false, true)
+        };
+        assert!(!retried(stopped).motion.feasible);
+    }
+}
