@@ -290,7 +290,7 @@ fn known(
     fits.then(|| planner.keyframes_at(configurations, phases, settings))?
 }
 
-/// Keyframes from the sequence alone or, if that fails, as the search finds them: beginning by beginning.
+/// Keyframes from the sequence alone or, if that fails, as the search finds them: beginning by beginning, walks flown first, steps added.
 pub(crate) fn keyframes(
     planner: &Planner,
     phases: &[Phase],
@@ -309,7 +309,7 @@ pub(crate) fn keyframes(
         limits,
         (Journal::default(), vec![]),
     );
-    checks.keyframes_by_beginnings(phases).unwrap_or(found)
+    checks.keyframes_by_walks(phases).unwrap_or(found)
 }
 
 impl Solved {

@@ -8,6 +8,7 @@
 mod beginnings;
 mod feet_anew;
 mod refusals;
+mod walks;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Instant;
