@@ -22,11 +22,11 @@ impl Checks<'_> {
     /// The same but for sequences that have been tried.
     fn by_walks(&mut self, phases: &[Phase], tried: &mut Vec<Vec<Phase>>) -> Option<Keyframes> {
         tried.push(phases.to_vec());
-        let found = match self.fly_walks(phases) {
-            true => self.keyframes_by_beginnings(phases),
-            false => None,
-        };
-        found.or_else(|| self.from_fewer_steps(phases, tried))
+        let are_possible = self.fly_walks(phases);
+        let found = are_possible.then(|| self.keyframes_by_beginnings(phases));
+        found
+            .flatten()
+            .or_else(|| self.with_fewer_steps(phases, tried))
     }
 
     /// Are all beginnings possible, where they are not otherwise, from a guess in which a walk was flown?
@@ -52,7 +52,7 @@ impl Checks<'_> {
 
     /// From the keyframes of the sequence without a round of steps of all feet in one of its walks, the last ones first: it stands there
     /// meanwhile.
-    fn from_fewer_steps(
+    fn with_fewer_steps(
         &mut self,
         phases: &[Phase],
         tried: &mut Vec<Vec<Phase>>,
