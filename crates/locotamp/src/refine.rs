@@ -3,7 +3,9 @@
 use std::time::Instant;
 
 use crate::api::{Event, Request};
-use ocp::{Motion, Phase, Planner, Refinement, Settings};
+use check::Status;
+use ocp::{Motion, Phase, Planner, Preset, Refinement, Settings};
+use plan::Plan;
 use solver::Iteration;
 
 /// Longest steps of the grids between the coarse and the finer one, in steps of the finer one: objects and hands move along different
@@ -114,6 +116,22 @@ fn nearly_there(most: usize) -> impl FnMut(f64) -> bool {
         nearly |= iterations == most && last.is_some_and(|last| last + RECENT > most);
         iterations < most || nearly
     }
+}
+
+/// Why the checker rejects a refined plan: between nodes, and on shapes as they are, it may find what the optimiser did not ask. Plans of
+/// the paper's problem have no margins for that.
+pub(crate) fn refusal(plan: &Plan, settings: &Settings) -> Option<String> {
+    if settings.preset != Preset::Default {
+        return None;
+    }
+    let report = check::check(plan, &check::Options::accept());
+    let failed = report.rows.iter().find(|row| row.status == Status::Fail)?;
+    let amount = failed.value.map_or(String::new(), |value| {
+        let (tolerance, unit) = (failed.tolerance, failed.unit);
+        format!(" {value:.3} {unit}, at most {tolerance} {unit} are allowed")
+    });
+    let (what, at) = (failed.category, &failed.location);
+    Some(format!("the checker rejects it: {what}{amount} ({at})"))
 }
 
 /// Why a motion does not hold on that grid.

@@ -377,7 +377,7 @@ impl Run<'_> {
         }
     }
 
-    /// The best plan whose motion can be refined; if none can, or it is not `wanted`, the best as it is.
+    /// The best plan whose motion can be refined to one that the checker accepts; if none can, or it is not `wanted`, the best as it is.
     pub fn refine_best(&mut self, wanted: bool) -> Option<Found> {
         let planner = self.shop.planner;
         let turns = self.workers.turns.clone();
@@ -405,13 +405,24 @@ impl Run<'_> {
             };
             let (mut motion, refined) =
                 refine::refine(planner, &phases, settings, motion, limits, &mut observe);
-            if matches!(refined, Refined::Done { .. }) {
-                return Some(Found::of(planner.scene, &labels, &mut motion, refined));
-            }
-            if motion.trajectory.program.steps == kept.steps {
-                motion = self.shop.restore(&phases, kept.point.clone());
+            let again = || {
+                let mut motion = self.shop.restore(&phases, kept.point.clone());
                 motion.feasible = true;
-            }
+                motion
+            };
+            let refined = if matches!(refined, Refined::Done { .. }) {
+                let found = Found::of(planner.scene, &labels, &mut motion, refined);
+                let Some(reason) = refine::refusal(&found.plan, settings) else {
+                    return Some(found);
+                };
+                motion = again();
+                Refined::Failed(reason)
+            } else {
+                if motion.trajectory.program.steps == kept.steps {
+                    motion = again();
+                }
+                refined
+            };
             let failed = matches!(refined, Refined::Failed(_));
             first.get_or_insert((motion, refined, labels));
             if !failed || self.is_late() || self.is_stopped() {

@@ -9,7 +9,7 @@ use crate::program::{Grid, Phase, Program};
 use crate::resistance::{pulls, violations, worst_row};
 use crate::settings::{Arrangement, Preset, Settings};
 use crate::stagnation::Stagnation;
-use solver::{Convexification, InteriorPoint, Options, Problem};
+use solver::{Convexification, Enough, InteriorPoint, Options, Problem};
 
 /// Distance below which pairs get a row in a guess [m].
 const GUESS_NEAR: f64 = 0.1;
@@ -19,10 +19,16 @@ const BESIDE: f64 = 0.6;
 const ROUNDS: usize = 8;
 /// Violation (m, rad) from which no slow attempt is made after two others.
 const FAR: f64 = 0.2;
-/// Most iterations of a solve; the same from a guess that satisfies everything, where the cost of what is found ranks sequences: 17 to 288
-/// in all rounds (benches/runs/2026-11-28-carried-on.md).
+/// Most iterations of a solve; the same from a guess that satisfies everything, where the cost of what is found ranks sequences: 25 to 116
+/// of those that end, but for one of 38 (benches/runs/2026-11-29-walks.md).
 const MOST: usize = 80;
-const MOST_KNOWN: usize = 250;
+const MOST_KNOWN: usize = 160;
+/// Where the latter may end: within a hundredth of the least cost.
+const RANKED: Enough = Enough {
+    violation: 0.2 * KEYFRAME_TOLERANCE,
+    dual: 1.0,
+    barrier: 1e-4,
+};
 /// Rounds of refinement of a step; with one less two beginnings of `tasks/past_higher` are refused (benches/runs/2026-11-29-paths.md).
 const REFINEMENTS: usize = 3;
 /// Phases that are solved together for a guess.
@@ -438,6 +444,7 @@ impl<'a> Ask<'a> {
             dual_tolerance: optimality,
             complementarity_tolerance: optimality,
             min_barrier: 1e-6,
+            enough: (self.manner == Manner::Known).then_some(RANKED),
             refinements: REFINEMENTS,
             convexification: Convexification::Shift,
             keeps_filter: true, // without it a beginning of `climb/carry` ends in a local minimum
