@@ -235,4 +235,29 @@ mod tests {
         assert!(with(&[1.0, near, 1.0]) > most);
         assert_eq!(iterations(&[near, 1.0], most), most, "long ago");
     }
+
+    #[test]
+    fn a_refined_plan_is_refused_where_the_checker_rejects_it_but_in_the_problem_of_the_paper() {
+        let path = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../../scenes/sequences/flat/stand.toml"
+        );
+        let file = scene::SequenceFile::load(std::path::Path::new(path)).expect("a sequence file");
+        let scene = file.load_scene().expect("its scene");
+        let sequence = file.resolve(&scene).expect("a sequence of the scene");
+        let request = Request::default();
+        let solved = crate::solve(&scene, &sequence, &request, &mut |_| true).expect("a problem");
+        let mut found = solved.best.expect("a motion");
+        assert!(found.is_refined());
+        let settings = |preset| Settings::new(preset, &scene.optimiser);
+        assert_eq!(refusal(&found.plan, &settings(Preset::Default)), None);
+        found.plan.tau[3][0] += 1.0;
+        let refused = refusal(&found.plan, &settings(Preset::Default)).expect("1 N m too much");
+        assert!(refused.starts_with("the checker rejects it: "), "{refused}");
+        assert!(
+            refused.contains("N m") && refused.contains("node 3"),
+            "{refused}"
+        );
+        assert_eq!(refusal(&found.plan, &settings(Preset::Paper)), None);
+    }
 }

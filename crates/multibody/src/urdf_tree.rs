@@ -366,7 +366,8 @@ fn resistance_note(description: &Description, joints: &[Joint]) -> Option<String
     (!resisted.is_empty()).then(|| {
         format!(
             "damping and friction of {} joints (<dynamics>: damping up to {damping} N·m·s/rad, friction up to {friction} N·m) \
-             are left out: motors must give that much more than the plan's torques; lower the effort limits by it where it counts",
+             are left out, of the plan's URDF too: motors must give that much more than the plan's torques, and a controller has to add \
+             it; lower the effort limits by it where it counts",
             resisted.len()
         )
     })

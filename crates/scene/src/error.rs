@@ -122,7 +122,7 @@ impl Fault {
             Self::Robot { .. } => "mend the URDF, or name another robot".into(),
             Self::Mjcf { .. } => "mend the MJCF, or name another robot".into(),
             Self::JointLimit { lower, upper, .. } => {
-                format!("set it in [start.joints] to a value from {lower} to {upper}")
+                format!("set it to a value from {lower} to {upper}")
             }
             Self::EmptyGoal { .. } => {
                 "add contacts = [[\"…\", \"…\"]] or a [[goal.region]] to [goal], or an [objective] such as kind = \
@@ -131,7 +131,9 @@ impl Fault {
             }
             Self::Impossible { remedy, .. } | Self::Pddl { remedy, .. } => remedy.clone(),
             Self::Broken { .. } => {
-                "correct the start pose or the pose of the interface, or leave this contact out of start.contacts".into()
+                "correct the start pose ([start] of the scene, [home] of the robot file) or the pose of the interface, or leave this \
+                 contact out of start.contacts"
+                    .into()
             }
             Self::Floating { .. } => {
                 "place it with on = \"<interface>\", correct its position, or list who holds it in start.contacts".into()

@@ -1,8 +1,9 @@
 //! The text of a URDF as readers of a plan need it.
 //!
 //! A velocity limit that is missing or zero is none. Readers take the text at its word, or do not take it at all, so there it says one
-//! that no joint comes to. Locked joints are fixed ones there. Settings for MuJoCo (`<mujoco>`) are left out: they name folders of the
-//! file's own place, and who replays a plan has their own.
+//! that no joint comes to. Locked joints are fixed ones there. Damping and friction of joints (`<dynamics>`) are left out, as they are of
+//! the plan's torques: who replays them would find that much missing. Settings for MuJoCo (`<mujoco>`) are left out: they name folders of
+//! the file's own place, and who replays a plan has their own.
 
 use crate::locked_joints::fix_if_locked;
 use crate::urdf_text::{Edits, child, children};
@@ -11,7 +12,7 @@ use roxmltree::Document;
 /// What stands for no limit [rad/s or m/s].
 const NO_LIMIT: &str = "1000";
 
-/// The text of a URDF with a velocity in every `<limit>`, without `<mujoco>`, and with fixed joints for those that are `locked`
+/// The text of a URDF with a velocity in every `<limit>`, without `<mujoco>` and `<dynamics>`, and with fixed joints for those that are `locked`
 /// ([`multibody::Model::locked`]). A text that cannot be read is left as it is.
 pub(crate) fn for_readers(urdf: &str, locked: &[(String, f64)]) -> String {
     let mut edits = Edits::default();
@@ -22,6 +23,9 @@ pub(crate) fn for_readers(urdf: &str, locked: &[(String, f64)]) -> String {
         }
         for joint in children(robot, "joint") {
             fix_if_locked(joint, locked, &mut edits);
+            for resistance in children(joint, "dynamics") {
+                edits.replace(resistance.range(), String::new());
+            }
         }
         let joints = children(robot, "joint");
         for limit in joints.filter_map(|joint| child(joint, "limit")) {
@@ -68,6 +72,18 @@ mod tests {
         }
         assert_eq!(for_readers("<robot", &[]), "<robot");
     }
+
+    #[test]
+    fn what_resists_in_joints_is_left_out_be_they_locked_or_not() {
+        let joint = |kind: &str, resistance: &str| {
+            format!("<robot><joint name=\"j\" type=\"{kind}\">{resistance}</joint></robot>")
+        };
+        let before = joint("revolute", "<dynamics damping='2' friction='1'/>");
+        assert_eq!(for_readers(&before, &[]), joint("revolute", ""));
+        let locked = [("j".to_owned(), 0.0)];
+        assert_eq!(for_readers(&before, &locked), joint("fixed", ""));
+    }
+
     #[test]
     fn settings_for_mujoco_are_left_out() {
         let robot = |settings: &str| format!("<robot>{settings}<link name='a'/></robot>");

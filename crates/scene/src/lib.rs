@@ -25,6 +25,7 @@ mod options;
 mod overlap;
 mod pace;
 mod parse;
+mod patch_notes;
 mod perturb;
 mod place;
 mod robot;

@@ -35,6 +35,8 @@ impl Scene {
                 ));
                 continue;
             }
+            notes.extend(self.inside_own_body(interface));
+            notes.extend(self.larger_than_link(interface));
             notes.extend(self.beyond_plane(interface));
         }
         if let Some(beyond) = self.beyond_soles().filter(|beyond| *beyond > LEAST) {
@@ -163,12 +165,21 @@ impl Scene {
             }
         }
         let (out, link) = most;
+        let is_own = link == frame;
         let (name, link) = (&interface.name, &model.frames[link]);
         if out <= f64::from(SUNK.0) {
             None
         } else if link.joint == own {
+            let of = if is_own {
+                "its own link".to_owned()
+            } else {
+                format!(
+                    "{}, which is one body with the link of the interface,",
+                    link.name
+                )
+            };
             Some(format!(
-                "shapes of its own link stick out {out:.0} mm beyond the plane of interface {name:?}: they will be that deep in what it \
+                "shapes of {of} stick out {out:.0} mm beyond the plane of interface {name:?}: they will be that deep in what it \
                  touches, and in the way when it lets go; move its pose outwards by as much, along its normal, or give the link shapes \
                  that end there"
             ))
@@ -212,7 +223,7 @@ impl Scene {
 }
 
 /// Points of a shape, with the radius of what is round about them [m], one of which is farthest out in any direction.
-fn tips(shape: &Shape) -> Vec<(Vector3<f64>, f64)> {
+pub(crate) fn tips(shape: &Shape) -> Vec<(Vector3<f64>, f64)> {
     match shape {
         Shape::Box { half_size } => {
             let sign = |code: usize, k: usize| if code >> k & 1 == 0 { -1.0 } else { 1.0 };

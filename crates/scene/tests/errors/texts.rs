@@ -168,7 +168,7 @@ pub const NUMBERS: &[Case] = &[
     (
         "joints = { waist_yaw_joint = 0.1 }",
         "joints = { waist_yaw_joint = 9.5 }",
-        "test.toml:6: joint \"waist_yaw_joint\" starts at 9.5, expected a value within its limits [-2.618, 2.618]; set it in [start.joints]",
+        "test.toml:6: joint \"waist_yaw_joint\" starts at 9.5, expected a value within its limits [-2.618, 2.618]; set it to a value from -2.618 to 2.618",
     ),
     (
         "joints = { waist_yaw_joint = 0.1 }",
