@@ -45,6 +45,7 @@ pub fn domain(scene: &Scene) -> Result<Domain, Error> {
             },
             patch: i.patch,
             lands: i.lands,
+            bears_feet: i.bears_feet,
             contact_types: i.contact_types.clone(),
         })
         .collect();

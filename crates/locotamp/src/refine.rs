@@ -23,6 +23,10 @@ const BARRIER: f64 = 1e-3;
 /// a few up to twice the most.
 const FINER_ITERATIONS: usize = 150;
 const NEARLY_THERE: usize = 100;
+/// In how many iterations the violation must have come to a new least one, by how much of it: a motion of 30 s went on for 120 s without
+/// (benches/runs/2026-11-29-walks.md), one that ended well came to none in 25.
+const PATIENCE: usize = 50;
+const PROGRESS: f64 = 0.9;
 /// How many iterations before that count: violations rise now and then when the barrier falls.
 const RECENT: usize = 10;
 
@@ -103,15 +107,22 @@ fn on_grid(
     planner.refine(phases, &settings, coarse, grid, &mut watch)
 }
 
-/// Does a motion go on, told its violation after each iteration: beyond `most` if it was nearly solved in one of the last few by
-/// then, whatever the repair that follows begins with.
+/// Does a motion go on, told its violation after each iteration: as long as that falls now and then, and beyond `most` if it was nearly
+/// solved in one of the last few by then, whatever the repair that follows begins with.
 fn nearly_there(most: usize) -> impl FnMut(f64) -> bool {
     let (mut iterations, mut last) = (0, None);
+    let (mut least, mut fell) = (f64::INFINITY, 0);
     let mut nearly = false;
     move |violation| {
         iterations += 1;
         if violation <= ocp::NEARLY_SOLVED {
             last = Some(iterations);
+            (least, fell) = (f64::INFINITY, iterations);
+        } else if violation < PROGRESS * least {
+            (least, fell) = (violation, iterations);
+        }
+        if iterations > fell + PATIENCE {
+            return false;
         }
         nearly |= iterations == most && last.is_some_and(|last| last + RECENT > most);
         iterations < most || nearly
@@ -234,6 +245,18 @@ mod tests {
         assert!(with(&[near, 1.0]) > most);
         assert!(with(&[1.0, near, 1.0]) > most);
         assert_eq!(iterations(&[near, 1.0], most), most, "long ago");
+    }
+
+    #[test]
+    fn a_motion_whose_violation_falls_no_more_is_given_up_but_for_a_repair_that_begins_higher() {
+        let near = ocp::NEARLY_SOLVED / 2.0;
+        let (most, patience) = (4 * PATIENCE, PATIENCE);
+        assert_eq!(iterations(&[1.0], most), patience + 2);
+        assert_eq!(iterations(&[1.0, 0.95], most), patience + 2, "hardly");
+        assert_eq!(iterations(&[1.0, 0.5], most), patience + 3);
+        let solved_after = vec![near; patience];
+        let repaired = [&solved_after[..], &[1.0, 0.5]].concat();
+        assert_eq!(iterations(&repaired, most), patience + patience + 3);
     }
 
     #[test]

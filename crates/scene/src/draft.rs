@@ -103,6 +103,10 @@ fn impossible(
             "nothing lands on the robot".to_owned(),
             "name one interface of the robot and one of another body".to_owned(),
         ),
+        Obstacle::NoFeet => (
+            format!("no foot may stand on {:?}", b.name),
+            format!("leave out feet = false at {:?}", b.name),
+        ),
         Obstacle::Type => {
             let wanted = only.map_or(String::new(), |kind| format!(" ({} asked for)", kind.name()));
             (

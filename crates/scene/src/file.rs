@@ -265,6 +265,8 @@ pub(crate) struct InterfaceEntry {
     pub lands: Option<At<bool>>,
     /// True if a patch larger than this one may rest on it, its centre inside; default false.
     pub overhang: Option<bool>,
+    /// False if no foot may stand on it; default true.
+    pub feet: Option<bool>,
     /// Largest force through one contact [N]; default unlimited.
     pub max_force: Option<At<f64>>,
     /// Largest moment through one contact [N·m]; default unlimited.

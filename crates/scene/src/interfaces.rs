@@ -98,6 +98,7 @@ impl BodySurface {
             mu: self.friction.mu,
             mu_r: self.friction.mu_r,
             overhang: false,
+            bears_feet: true,
             lands,
         }
     }
@@ -147,6 +148,7 @@ impl BodySurface {
             mu: friction.mu,
             mu_r: friction.mu_r,
             overhang: entry.overhang.unwrap_or(false),
+            bears_feet: entry.feet.unwrap_or(true),
             lands: entry.lands.as_deref().copied().unwrap_or(false),
         })
     }
@@ -334,6 +336,7 @@ pub(crate) fn robot_interface(
         mu: friction.mu,
         mu_r: friction.mu_r,
         overhang: false,
+        bears_feet: true,
         lands: true,
     })
 }

@@ -1,7 +1,7 @@
 //! Which interfaces can touch, by kind and size alone (paper, "Symbolic search pruning": self-pairs, mirrored pairs and
 //! static–static pairs are removed).
 
-use crate::{Interface, Owner, Scene};
+use crate::{Interface, Owner, Role, Scene};
 use symbolic::{ContactType, InterfaceId};
 
 /// Sizes are compared with this much play [m].
@@ -16,6 +16,8 @@ pub(crate) enum Obstacle {
     SameBody,
     /// `b` belongs to the robot.
     OntoRobot,
+    /// `a` is a foot, and `b` bears none.
+    NoFeet,
     /// One of them does not take part in contacts of this type.
     Type,
     /// The type needs patches where there are points.
@@ -33,6 +35,9 @@ pub(crate) fn check(a: &Interface, b: &Interface, kind: ContactType) -> Result<(
         (_, Owner::Robot { .. }) => return Err(Obstacle::OntoRobot),
         (Owner::Object(i), Owner::Object(j)) if i == j => return Err(Obstacle::SameBody),
         _ => {}
+    }
+    if a.role == Role::Foot && !b.bears_feet {
+        return Err(Obstacle::NoFeet);
     }
     if !(a.contact_types.contains(&kind) && b.contact_types.contains(&kind)) {
         return Err(Obstacle::Type);
@@ -83,7 +88,7 @@ impl Scene {
     /// Can interface `a` land on interface `b` with a contact of type `kind`, judged by owners, contact types and sizes?
     ///
     /// Hands and feet land on surfaces of objects and static bodies; surfaces of objects that [`Interface::lands`] land on
-    /// static bodies and other objects. A patch must fit into a bounded patch unless that allows [`Interface::overhang`].
+    /// static bodies and other objects. Feet keep off what does not [`Interface::bears_feet`]. A patch must fit into a bounded patch unless that allows [`Interface::overhang`].
     /// Poses and reach are not considered. False if an index is out of range.
     pub fn contact_possible(&self, a: InterfaceId, b: InterfaceId, kind: ContactType) -> bool {
         match (self.interfaces.get(a.0), self.interfaces.get(b.0)) {

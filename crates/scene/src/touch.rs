@@ -121,6 +121,7 @@ mod tests {
             mu: 0.5,
             mu_r: 0.0,
             overhang: false,
+            bears_feet: true,
             lands: true,
         }
     }

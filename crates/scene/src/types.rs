@@ -66,6 +66,10 @@ pub enum Role {
 
 /// A surface or point that can be in contact (paper: i ∈ 𝓘).
 #[derive(Debug, Clone, PartialEq)]
+#[allow(
+    clippy::struct_excessive_bools,
+    reason = "each says something else of a surface"
+)]
 pub struct Interface {
     /// Unique name in the scene.
     pub name: String,
@@ -93,6 +97,8 @@ pub struct Interface {
     pub mu_r: f64,
     /// True if a patch larger than this one may rest on it, its centre inside.
     pub overhang: bool,
+    /// May feet stand on it.
+    pub bears_feet: bool,
     /// True if it can be the landing side `a` of a contact: hands, feet, bottoms of objects. Others are only landed on.
     pub lands: bool,
 }

@@ -54,6 +54,26 @@ fn overhang_lets_a_larger_patch_rest() {
 }
 
 #[test]
+fn a_surface_that_is_not_for_feet_bears_hands_and_objects() {
+    let text = VALID.replace(
+        "position = [0.6, 0.8, 0.73]",
+        "position = [0.6, 0.8, 0.73]\ninterface = [{ name = \"shelf_top\", side = \"+z\", overhang = true, feet = false }]",
+    );
+    let scene = read(&text).unwrap();
+    for (a, expected) in [
+        ("left_foot", false),
+        ("left_hand", true),
+        ("cup_foot", true),
+    ] {
+        assert_eq!(
+            possible(&scene, a, "shelf_top", UnilateralPatch),
+            expected,
+            "{a}"
+        );
+    }
+}
+
+#[test]
 fn unknown_interfaces_have_no_id_and_no_contacts() {
     let scene = read(VALID).unwrap();
     assert_eq!(scene.interface_id("nothing"), None);

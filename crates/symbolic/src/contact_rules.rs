@@ -4,13 +4,13 @@
 //! [`RULES`]; the statistics count the triples and states that remain after each.
 
 use crate::contact::{Contact, ContactType, InterfaceId};
-use crate::domain::{Interface, Owner};
+use crate::domain::{Interface, Owner, Role};
 
 /// True if the triple is impossible.
 pub type Rule = fn(&[Interface], &Contact) -> bool;
 
 /// The rules in order, with their names.
-pub const RULES: [(&str, Rule); 5] = [
+pub const RULES: [(&str, Rule); 6] = [
     ("no interface touches itself", is_self_pair),
     ("static bodies do not touch each other", is_static_pair),
     ("a body does not touch itself", is_same_body),
@@ -18,6 +18,7 @@ pub const RULES: [(&str, Rule); 5] = [
         "one of two mirrored pairs: the landing side comes first",
         is_not_landing,
     ),
+    ("feet keep off what is not for them", is_forbidden_to_feet),
     (
         "points and patches match, both support the type",
         is_type_mismatch,
@@ -52,6 +53,12 @@ pub fn is_not_landing(interfaces: &[Interface], contact: &Contact) -> bool {
         Owner::Static(_) => false,
     };
     !lands || b.owner == Owner::Robot
+}
+
+/// `a` is a foot, and `b` a surface that bears none.
+pub fn is_forbidden_to_feet(interfaces: &[Interface], contact: &Contact) -> bool {
+    let (a, b) = (&interfaces[contact.a.0], &interfaces[contact.b.0]);
+    a.role == Role::Foot && !b.bears_feet
 }
 
 /// θ is not supported by both, or is a patch type without two patches, or a point type without a point on a patch.

@@ -45,6 +45,8 @@ pub struct Interface {
     ///
     /// Interfaces of the robot always land, those of static bodies never do.
     pub lands: bool,
+    /// May feet stand on it? Of interfaces of the robot it says nothing.
+    pub bears_feet: bool,
     /// Contact types that it supports, on either side of a contact.
     pub contact_types: Vec<ContactType>,
 }

@@ -14,7 +14,7 @@
 //! use symbolic::{InterfaceId, Owner, Policy, Role, SearchLimits, SkeletonGraph};
 //!
 //! let interface = |name: &str, owner, role, lands, kind| Interface {
-//!     name: name.to_owned(), owner, role, patch: true, lands, contact_types: vec![kind],
+//!     name: name.to_owned(), owner, role, patch: true, lands, bears_feet: true, contact_types: vec![kind],
 //! };
 //! let (push, hold) = (ContactType::UnilateralPatch, ContactType::BilateralPatch);
 //! let interfaces = vec![

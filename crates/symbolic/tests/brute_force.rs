@@ -390,6 +390,7 @@ fn surfaces_that_hold_what_is_put_on_them_are_those_of_brute_force() {
     let mut interfaces = robot();
     interfaces.push(Interface {
         lands: true,
+        bears_feet: true,
         ..interface("plug_bottom", Owner::Object(0), Role::Surface, &sticky)
     });
     interfaces.push(handle("plug_handle", 0));

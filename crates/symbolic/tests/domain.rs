@@ -4,8 +4,8 @@ use crate::fixtures::{
     bottom, handle, id, interface, one_box, robot, standing, state, surface, two_boxes,
 };
 use symbolic::{
-    ContactType, Domain, Goal, GoalPair, GraphOptions, Interface, InterfaceId, Owner, Role,
-    SkeletonGraph, SymbolicError,
+    Contact, ContactType, Domain, Goal, GoalPair, GraphOptions, Interface, InterfaceId, Owner,
+    Role, SkeletonGraph, SymbolicError,
 };
 
 /// `a on b` for all possible contacts.
@@ -115,6 +115,27 @@ fn states_read_as_a_person_would_say_them() {
         state(&domain, "").display(&domain).to_string(),
         "no contact"
     );
+}
+
+#[test]
+fn feet_keep_off_a_surface_that_bears_none_and_hands_do_not() {
+    let kind = ContactType::UnilateralPatch;
+    let table = Interface {
+        bears_feet: false,
+        ..surface("table", Owner::Static(0))
+    };
+    let interfaces = vec![
+        interface("foot", Owner::Robot, Role::Foot, &[kind]),
+        interface("hand", Owner::Robot, Role::Hand, &[kind]),
+        table,
+        surface("ground", Owner::Static(1)),
+    ];
+    let domain = Domain::new(interfaces, vec![], vec![]).expect("a domain");
+    let lands = |a: usize, b: usize| {
+        let (a, b) = (InterfaceId(a), InterfaceId(b));
+        domain.allows(&Contact { a, b, kind })
+    };
+    assert_eq!([lands(0, 2), lands(1, 2), lands(0, 3)], [false, true, true]);
 }
 
 fn refuse(interfaces: Vec<Interface>, objects: &[&str], squeezes: &[(usize, usize)]) -> String {

@@ -11,6 +11,7 @@ pub fn interface(name: &str, owner: Owner, role: Role, kinds: &[ContactType]) ->
         role,
         patch,
         lands: false,
+        bears_feet: true,
         contact_types: kinds.to_vec(),
     }
 }

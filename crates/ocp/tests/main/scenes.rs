@@ -38,6 +38,7 @@ fn interface(
         mu_r: 0.03,
         overhang: false,
         lands: true,
+        bears_feet: true,
     }
 }
 
