@@ -14,6 +14,8 @@ const SUNK: (u32, u32) = (10, 300);
 const AROUND: f64 = 0.15;
 /// Lever of the robot's weight beyond whose torque no motor of a humanoid gets [m]: the G1's give 0.43 m, the H1's 0.6 m.
 const LONGEST_LEVER: f64 = 1.0;
+/// Joints of a whole robot, at least.
+const MANY: usize = 10;
 /// Share by which the inertia about an axis may exceed that about the other two: what rounding does to a rod's.
 const PLAY: f64 = 0.01;
 
@@ -39,6 +41,7 @@ impl Scene {
             notes.extend(self.larger_than_link(interface));
             notes.extend(self.beyond_plane(interface));
         }
+        notes.extend(self.stretched());
         if let Some(beyond) = self.beyond_soles().filter(|beyond| *beyond > LEAST) {
             notes.push(format!(
                 "at the start the centre of mass is {:.0} mm outside the soles: the robot cannot stand like that, only fall or \
@@ -47,6 +50,19 @@ impl Scene {
             ));
         }
         notes
+    }
+
+    /// A whole robot whose home posture nobody gave.
+    fn stretched(&self) -> Option<String> {
+        let joints = &self.robot.model.joints[1..];
+        let at_zero =
+            |(joint, home): (&Joint, &f64)| *home == 0.0_f64.clamp(joint.lower, joint.upper);
+        let all = joints.iter().zip(&self.robot.home).all(at_zero);
+        (all && joints.len() >= MANY).then(|| {
+            "in the home posture all joints are at zero, or at the limit nearest to it: if knees are straight there, plans keep them so, \
+             at the edge of what legs can do; [home] of the robot file gives one, with the knees bent"
+                .to_owned()
+        })
     }
 
     /// Hands and feet on bodies without a shape: nothing keeps them out of what they do not touch, and simulators let them through.
@@ -384,5 +400,15 @@ mod tests {
         ] {
             assert!(note.contains(part), "{note}");
         }
+    }
+
+    #[test]
+    fn a_whole_robot_without_a_home_posture_is_told() {
+        let mut scene = Scene::builtin("lift-box").unwrap();
+        let told = |scene: &Scene| scene.notes().iter().any(|note| note.contains("at zero"));
+        assert!(!told(&scene));
+        let limits = scene.robot.model.joints[1..].iter();
+        scene.robot.home = limits.map(|j| 0.0_f64.clamp(j.lower, j.upper)).collect();
+        assert!(told(&scene));
     }
 }
