@@ -141,8 +141,12 @@ pub(crate) fn refusal(plan: &Plan, settings: &Settings) -> Option<String> {
         let (tolerance, unit) = (failed.tolerance, failed.unit);
         format!(" {value:.3} {unit}, at most {tolerance} {unit} are allowed")
     });
-    let (what, at) = (failed.category, &failed.location);
-    Some(format!("the checker rejects it: {what}{amount} ({at})"))
+    let (category, at) = (failed.category, &failed.location);
+    let when = (at.time).map_or(String::new(), |time| format!(" at {time:.2} s"));
+    Some(format!(
+        "the checker rejects it: {category}{amount} ({}{when})",
+        at.what
+    ))
 }
 
 /// Why a motion does not hold on that grid.
@@ -278,7 +282,7 @@ mod tests {
         let refused = refusal(&found.plan, &settings(Preset::Default)).expect("1 N m too much");
         assert!(refused.starts_with("the checker rejects it: "), "{refused}");
         assert!(
-            refused.contains("N m") && refused.contains("node 3"),
+            refused.contains("N m") && refused.contains(" at 0.0"),
             "{refused}"
         );
         assert_eq!(refusal(&found.plan, &settings(Preset::Paper)), None);

@@ -56,7 +56,7 @@ impl Scene {
     fn stretched(&self) -> Option<String> {
         let joints = &self.robot.model.joints[1..];
         let at_zero =
-            |(joint, home): (&Joint, &f64)| *home == 0.0_f64.clamp(joint.lower, joint.upper);
+            |(joint, home): (&Joint, &f64)| *home == 0.0_f64.max(joint.lower).min(joint.upper);
         let all = joints.iter().zip(&self.robot.home).all(at_zero);
         (all && joints.len() >= MANY).then(|| {
             "in the home posture all joints are at zero, or at the limit nearest to it: if knees are straight there, plans keep them so, \

@@ -88,8 +88,8 @@ impl Scene {
     /// Can interface `a` land on interface `b` with a contact of type `kind`, judged by owners, contact types and sizes?
     ///
     /// Hands and feet land on surfaces of objects and static bodies; surfaces of objects that [`Interface::lands`] land on
-    /// static bodies and other objects. Feet keep off what does not [`Interface::bears_feet`]. A patch must fit into a bounded patch unless that allows [`Interface::overhang`].
-    /// Poses and reach are not considered. False if an index is out of range.
+    /// static bodies and other objects. Feet keep off what does not bear them ([`Interface::bears_feet`]).
+    /// A patch must fit into a bounded patch unless that allows [`Interface::overhang`]. Poses and reach are not considered. False if an index is out of range.
     pub fn contact_possible(&self, a: InterfaceId, b: InterfaceId, kind: ContactType) -> bool {
         match (self.interfaces.get(a.0), self.interfaces.get(b.0)) {
             (Some(a), Some(b)) => check(a, b, kind).is_ok(),

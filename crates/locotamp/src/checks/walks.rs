@@ -7,7 +7,7 @@ use super::Checks;
 use ocp::{Keyframes, Phase};
 use scene::{Role, Scene};
 use std::ops::RangeInclusive;
-use symbolic::{Anew, Contact, ContactState};
+use symbolic::{Anew, Contact, ContactState, Oracle};
 
 /// Sequences with fewer steps that are tried at most.
 const MOST_SHORTER: usize = 8;
@@ -34,7 +34,8 @@ impl Checks<'_> {
         (2..=phases.len()).all(|k| {
             let beginning = &phases[..k];
             let telling = self.is_telling(&phases[k - 2].state, &phases[k - 1].state);
-            !telling || self.nodes(beginning).is_some() || self.fly_one(beginning)
+            let possible = !telling || self.nodes(beginning).is_some() || self.fly_one(beginning);
+            possible && !self.stop()
         })
     }
 
@@ -63,7 +64,7 @@ impl Checks<'_> {
             let last = (walk.end() + 1).saturating_sub(more);
             for at in (*walk.start()..last).filter(again) {
                 let fewer = without(phases, &(at..=at + more));
-                if tried.contains(&fewer) || tried.len() > MOST_SHORTER {
+                if tried.contains(&fewer) || tried.len() > MOST_SHORTER || self.stop() {
                     continue;
                 }
                 let Some(found) = self.by_walks(&fewer, tried) else {
