@@ -4,9 +4,10 @@ use crate::collision::corners;
 use crate::program::Phase;
 use crate::settings::Arrangement;
 use crate::ways::{base_height, ground};
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use scene::{Interface, Object, Owner, PlacedShape, Scene, Shape};
 use spatial::Pose;
+use std::f64::consts::PI;
 use std::ops::Range;
 use symbolic::Contact;
 
@@ -287,8 +288,20 @@ fn resting_pose(
         })
         .collect();
     let origin = world_from_b.act(free_place(&wish, &kept, b.half_size, &taken));
-    let body_origin = origin - now.rotate(a.body_from_interface.origin());
-    Pose::from_parts(*now.rotation(), body_origin)
+    let up = world_from_b.rotate(Vector3::z());
+    let turned = onto(&(*now * a.body_from_interface).rotate(Vector3::z()), &-up) * now.rotation();
+    let body_origin = origin - turned * a.body_from_interface.origin();
+    Pose::from_parts(turned, body_origin)
+}
+
+/// The least turn of one direction onto another; none if they are the same to 0.1 mrad.
+fn onto(from: &Vector3<f64>, to: &Vector3<f64>) -> Matrix3<f64> {
+    if from.angle(to) < 1e-4 {
+        return Matrix3::identity();
+    }
+    let turn = UnitQuaternion::rotation_between(from, to)
+        .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI));
+    *turn.to_rotation_matrix().matrix()
 }
 
 /// Half the side of a surface [m].

@@ -58,6 +58,8 @@ pub struct Weights {
     pub final_posture: f64,
     /// Tilt of the base.
     pub tilt: f64,
+    /// Tilt of objects in the air away from how they stood, where velocities are unknowns.
+    pub carried_tilt: f64,
     /// Velocities [s²/rad²].
     pub velocity: f64,
     /// Accelerations [s⁴/rad²].
@@ -107,6 +109,7 @@ impl Default for Weights {
             posture: 0.05,
             final_posture: 1.0,
             tilt: 4.0,
+            carried_tilt: 1.0,
             velocity: 0.05,
             acceleration: 1e-3,
             base_acceleration: 0.3,

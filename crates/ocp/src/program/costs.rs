@@ -16,6 +16,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use scene::{Objective, Role};
 use spatial::Pose;
 use std::f64::consts::PI;
+use std::ops::Range;
 use symbolic::Contact;
 
 use super::{Grid, Phase};
@@ -31,6 +32,8 @@ const CARRY: f64 = 20.0;
 /// far over as its legs allow, from where no motion comes back to what can be borne. 5 cm are as strong as the reward; reaching up draws nowhere.
 const REACHING_BALANCE: f64 = 1000.0;
 const CARRY_UPRIGHT: f64 = 1.0;
+/// Cosine of the angle up to which the sides on which an object stands before and after it is carried are the same.
+const SAME_SIDE: f64 = 0.9;
 
 impl Builder<'_> {
     /// Posture and tilt costs of every free node, and the objective.
@@ -78,6 +81,67 @@ impl Builder<'_> {
         }
     }
 
+    /// Where velocities are unknowns, objects in the air stay as upright as they stood: robots would carry them tilted by up to 70 degrees
+    /// to spare their wrists (benches/runs/2026-11-29-upright.md). What is to stand on another side next turns on the way.
+    pub(super) fn carried_upright(&mut self, phases: &[Phase]) {
+        let settings = &self.program.settings;
+        let up = (-self.scene.gravity).try_normalize(0.0);
+        let Some(up) = up.filter(|_| self.program.has_velocities()) else {
+            return;
+        };
+        if settings.preset == Preset::Paper {
+            return;
+        }
+        let all = resting::poses(self.scene, phases, settings.arrangement, &[]);
+        for (o, poses) in all.iter().enumerate() {
+            let rests = |k: usize| resting::support(self.scene, o, &phases[k]).is_some();
+            let up_in_object = |k: usize| poses[k].rotation().transpose() * up;
+            let mut k = 0;
+            while k < phases.len() {
+                let end = (k..phases.len())
+                    .find(|&k| rests(k))
+                    .unwrap_or(phases.len());
+                let same_side =
+                    end == phases.len() || up_in_object(k).dot(&up_in_object(end)) > SAME_SIDE;
+                if k < end && same_side {
+                    self.upright(o, up_in_object(k), up, k..end);
+                }
+                k = end + 1;
+            }
+        }
+    }
+
+    /// An object's axis is drawn to the vertical at all nodes within some phases.
+    fn upright(
+        &mut self,
+        object: usize,
+        axis: Vector3<f64>,
+        up: Vector3<f64>,
+        phases: Range<usize>,
+    ) {
+        let weight = self.program.settings.weights.carried_tilt;
+        let body = Carrier {
+            body: Body::Joint(self.program.system.object_joint(object)),
+            body_from_frame: with_z_along(&axis),
+        };
+        let frame = self.frame_in(body, with_z_along(&up));
+        let p = &mut self.program;
+        for t in 1..p.nodes.len() {
+            let before = p.intervals[t - 1].phase;
+            let after = p.intervals[t.min(p.intervals.len() - 1)].phase;
+            let within = phases.contains(&before) && phases.contains(&after);
+            if within && p.nodes[t].var.is_some() && p.master_node(t) == t {
+                let slot = p.nodes[t].slot(frame);
+                p.nodes[t].costs.push(NodeCost {
+                    slot,
+                    term: Arc::new(Tilt),
+                    weights: vec![weight * p.share[after]],
+                    kind: CostTerm::Tilt,
+                });
+            }
+        }
+    }
+
     /// The reward at the last node `t`: how far the body of the objective is along its direction.
     fn objective(&mut self, t: usize, weight: f64) {
         let (body, direction) = match &self.scene.objective {
@@ -88,10 +152,7 @@ impl Builder<'_> {
         let Some(body) = goal_body(self.scene, &self.program.system, body) else {
             return;
         };
-        let along_z = UnitQuaternion::rotation_between(&Vector3::z(), &direction)
-            .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI));
-        let turned = Pose::from_parts(*along_z.to_rotation_matrix().matrix(), Vector3::zeros());
-        let frame = self.frame_in(body, turned);
+        let frame = self.frame_in(body, with_z_along(&direction));
         let slot = self.program.nodes[t].slot(frame);
         self.program.nodes[t].costs.push(NodeCost {
             slot,
@@ -282,4 +343,11 @@ impl Builder<'_> {
             first = end;
         }
     }
+}
+
+/// A pose at the origin whose z axis is this direction.
+fn with_z_along(direction: &Vector3<f64>) -> Pose {
+    let turn = UnitQuaternion::rotation_between(&Vector3::z(), direction)
+        .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI));
+    Pose::from_parts(*turn.to_rotation_matrix().matrix(), Vector3::zeros())
 }

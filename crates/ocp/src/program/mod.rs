@@ -216,6 +216,7 @@ impl Program {
         builder.hands_turned(phases);
         builder.approaches(phases);
         builder.carried(phases);
+        builder.carried_upright(phases);
         builder.balanced(phases);
         builder.goal();
         builder.clearances(collisions, phases, clearances);
