@@ -1,7 +1,7 @@
 //! The text of a URDF as readers of a plan need it.
 //!
-//! A velocity limit that is missing or zero is none. Readers take the text at its word, or do not take it at all, so there it says one
-//! that no joint comes to. Locked joints are fixed ones there. Damping and friction of joints (`<dynamics>`) are left out, as they are of
+//! A limit of velocity or effort that is missing or zero is none. Readers take the text at its word, or do not take it at all, so there
+//! it says one that no joint comes to. Locked joints are fixed ones there. Damping and friction of joints (`<dynamics>`) are left out, as they are of
 //! the plan's torques: who replays them would find that much missing. Settings for MuJoCo (`<mujoco>`) are left out: they name folders of
 //! the file's own place, and who replays a plan has their own.
 
@@ -9,10 +9,10 @@ use crate::locked_joints::fix_if_locked;
 use crate::urdf_text::{Edits, child, children};
 use roxmltree::Document;
 
-/// What stands for no limit [rad/s or m/s].
-const NO_LIMIT: &str = "1000";
+/// What stands for no limit [rad/s or m/s; N·m or N].
+const NO_LIMIT: [(&str, &str); 2] = [("velocity", "1000"), ("effort", "100000")];
 
-/// The text of a URDF with a velocity in every `<limit>`, without `<mujoco>` and `<dynamics>`, and with fixed joints for those that are `locked`
+/// The text of a URDF with velocity and effort in every `<limit>`, without `<mujoco>` and `<dynamics>`, and with fixed joints for those that are `locked`
 /// ([`multibody::Model::locked`]). A text that cannot be read is left as it is.
 pub(crate) fn for_readers(urdf: &str, locked: &[(String, f64)]) -> String {
     let mut edits = Edits::default();
@@ -29,17 +29,18 @@ pub(crate) fn for_readers(urdf: &str, locked: &[(String, f64)]) -> String {
         }
         let joints = children(robot, "joint");
         for limit in joints.filter_map(|joint| child(joint, "limit")) {
-            let attribute = limit.attribute_node("velocity");
-            match attribute {
-                Some(given) if is_zero(given.value()) => {
-                    edits.replace(given.range_value(), NO_LIMIT.to_owned());
-                }
-                Some(_) => {}
-                None => {
-                    let name_ends = limit.range().start + "<limit".len();
-                    edits.replace(name_ends..name_ends, format!(" velocity=\"{NO_LIMIT}\""));
+            let mut missing = String::new();
+            for (name, most) in NO_LIMIT {
+                match limit.attribute_node(name) {
+                    Some(given) if is_zero(given.value()) => {
+                        edits.replace(given.range_value(), most.to_owned());
+                    }
+                    Some(_) => {}
+                    None => missing += &format!(" {name}=\"{most}\""),
                 }
             }
+            let name_ends = limit.range().start + "<limit".len();
+            edits.replace(name_ends..name_ends, missing);
         }
     }
     edits.apply(urdf)
@@ -54,7 +55,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn limits_without_a_velocity_get_one_and_the_others_stay() {
+    fn limits_that_are_none_say_so_in_numbers_and_the_others_stay() {
         let joint = |limit: &str| format!("<robot><joint name=\"j\">{limit}</joint></robot>");
         for (before, after) in [
             (
@@ -65,7 +66,18 @@ mod tests {
                 "<limit velocity=\" 0.0\" effort='9'/>",
                 "<limit velocity=\"1000\" effort='9'/>",
             ),
-            ("<limit velocity='3'/>", "<limit velocity='3'/>"),
+            (
+                "<limit velocity='3' effort='0'/>",
+                "<limit velocity='3' effort='100000'/>",
+            ),
+            (
+                "<limit lower='0'/>",
+                "<limit velocity=\"1000\" effort=\"100000\" lower='0'/>",
+            ),
+            (
+                "<limit velocity='3' effort='2'/>",
+                "<limit velocity='3' effort='2'/>",
+            ),
             ("<axis xyz='0 0 1'/>", "<axis xyz='0 0 1'/>"),
         ] {
             assert_eq!(for_readers(&joint(before), &[]), joint(after));

@@ -5,6 +5,8 @@
 
 use crate::types::{Interface, Owner, Robot, Role};
 use multibody::Kinematics;
+use nalgebra::Vector3;
+use spatial::Pose;
 
 /// Shortest phase, in time scales.
 const SHORTEST: f64 = 0.9;
@@ -25,24 +27,25 @@ pub(crate) fn durations(robot: &Robot, interfaces: &[Interface], gravity: f64) -
     (shortest, LONGEST * shortest)
 }
 
-/// Height of the base above the lowest foot in the home posture [m]; `None` without feet.
+/// Height of the base above the lowest foot in the home posture, with the soles down [m]; `None` without feet. The base's own axes may
+/// point anywhere.
 fn height(robot: &Robot, interfaces: &[Interface]) -> Option<f64> {
     let mut kinematics = Kinematics::new(&robot.model);
     let mut q = vec![0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
     q.extend(&robot.home);
     kinematics.update(&robot.model, &q);
-    let foot = |interface: &Interface| match interface.owner {
+    let sole = |interface: &Interface| match interface.owner {
         Owner::Robot { frame } if interface.role == Role::Foot => {
-            let world_from_link = kinematics.frame_pose(&robot.model, frame);
-            Some((world_from_link * interface.body_from_interface).origin().z)
+            let base_from_link = kinematics.frame_pose(&robot.model, frame);
+            Some(base_from_link * interface.body_from_interface)
         }
         _ => None,
     };
-    interfaces
-        .iter()
-        .filter_map(foot)
-        .min_by(f64::total_cmp)
-        .map(|lowest| -lowest)
+    let soles: Vec<_> = interfaces.iter().filter_map(sole).collect();
+    let down: Vector3<f64> = soles.iter().map(|sole| sole.rotate(Vector3::z())).sum();
+    let down = down.try_normalize(1e-3)?;
+    let below = |sole: &Pose| sole.origin().dot(&down);
+    soles.iter().map(below).max_by(f64::total_cmp)
 }
 
 #[cfg(test)]
@@ -58,6 +61,18 @@ mod tests {
         assert!((shortest - 0.25).abs() < 1e-12 && (longest - 2.0).abs() < 1e-12);
         let (on_moon, _) = bounds(9.81 / 9.0);
         assert!((on_moon - 0.75).abs() <= GRAIN + 1e-12, "{on_moon}");
+        // A base that is built on its side.
+        let mut other = scene.robot.clone();
+        let turn = Pose::from_xyzquat(&[0.0, 0.0, 0.0, 0.5, 0.5, 0.5, 0.5]);
+        for joint in &mut other.model.joints {
+            if joint.parent == Some(0) {
+                joint.parent_from_joint = turn * joint.parent_from_joint;
+            }
+        }
+        assert_eq!(
+            durations(&other, &scene.interfaces, 9.81),
+            (shortest, longest)
+        );
         let (without_feet, _) = durations(&scene.robot, &[], 9.81);
         assert!((without_feet - 0.25).abs() < 1e-12);
     }

@@ -36,6 +36,8 @@ const MOST_AT_CONTACT: f64 = -0.008;
 /// The least and the most that is demanded there of the neighbours in the limb of what touches [m]: no overlap, of which a smooth
 /// distance falls short by some millimetres.
 const BESIDE_CONTACT: (f64, f64) = (-0.005, -0.003);
+/// The same beside a foot: corners of the boxes around a shin stick out of its balls by up to 3 mm, and the ground takes them all alike.
+const BESIDE_FOOT: (f64, f64) = (-0.004, -0.001);
 /// Share of the clearance that is demanded of a hand and its wrist from what the object that it grasps or places stands on.
 pub(super) const THROUGH: f64 = 0.25;
 /// Sixteenths of a phase after a body has left where it stands at the start in which what is near there may still be so.
@@ -366,7 +368,12 @@ impl CollisionModel {
             (_, Some(beside)) => {
                 let overlap = self.depth(a, primitive, &at.kinematics[beside.node]);
                 let without = there(beside.node) + overlap;
-                without.clamp(BESIDE_CONTACT.0, BESIDE_CONTACT.1) + rise(beside.parts)
+                let (least, most) = if self.neighbours[a].iter().any(|&j| self.feet[j]) {
+                    BESIDE_FOOT
+                } else {
+                    BESIDE_CONTACT
+                };
+                without.clamp(least, most) + rise(beside.parts)
             }
             _ => full,
         };
