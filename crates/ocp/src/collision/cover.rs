@@ -88,6 +88,18 @@ pub(super) fn cover(pose: &Pose, shape: &Shape, out: &mut Vec<Ball>) {
     }
 }
 
+/// By how much parts stick out of the balls that cover them, at most: corners of boxes do, of small balls [m].
+pub(super) fn sticks_out(parts: &[Part]) -> f64 {
+    let corner = |part: &Part| match part {
+        Part::Box(_, half_size) => {
+            let small = half_size.min().min(EDGE_BALL);
+            (EDGE_INSET * 3.0_f64.sqrt() - 1.0) * small
+        }
+        Part::Ball(..) => 0.0,
+    };
+    parts.iter().map(corner).fold(0.0, f64::max)
+}
+
 /// Points that stand for an object: the corners and edge middles of a box, the balls of anything else.
 pub(crate) fn corners(placed: &PlacedShape, out: &mut Vec<Ball>) {
     let Shape::Box { half_size } = &placed.shape else {
