@@ -108,6 +108,13 @@ impl<'a> Bodies<'a> {
         (!chains.iter().any(Vec::is_empty)).then_some(chains)
     }
 
+    /// Joints between two bodies.
+    pub fn joints_between(&self, a: usize, b: usize) -> usize {
+        let own =
+            |of: usize, other: usize| self.up(of).filter(|&j| !self.is_behind(other, j)).count();
+        own(a, b) + own(b, a)
+    }
+
     /// Mass of a body and all that it carries [kg].
     pub fn mass_behind(&self, joint: usize) -> f64 {
         let joints = self.model().joints.iter().enumerate();

@@ -34,7 +34,7 @@ pub enum DraftError {
     },
     /// Nothing that looks like legs.
     #[error(
-        "found no feet: no two chains of at least {joints} joints that are like each other left and right and come lowest; name the feet as --feet \
+        "found no feet: no two chains of at least {joints} joints that are like each other left and right and come lowest (z of the base is up); name the feet as --feet \
          LEFT,RIGHT; ends of chains: {ends}"
     )]
     NoFeet { joints: usize, ends: String },

@@ -30,6 +30,8 @@ const DOWN: f64 = 0.3;
 /// Links of arms are to be so far from the others, and those of legs [m].
 const ARMS_CLEAR: f64 = 0.03;
 const LEGS_CLEAR: f64 = 0.02;
+/// Joints of a hip.
+const HIP: usize = 3;
 /// By how much soles are put further apart than at rest, tried in this order [m].
 const WIDER: [f64; 4] = [0.0, 0.03, 0.06, 0.1];
 /// More than that between soles at rest is brought down to it, as a multiple of their width.
@@ -168,7 +170,10 @@ pub(crate) fn home(
             }
         }
     }
-    let nearest = distances(scene, &q)?.into_iter().next();
+    // Where three joints are in one place, as in a hip, shapes are near each other in any posture.
+    let pairs = distances(scene, &q)?.into_iter();
+    let nearest =
+        { pairs }.find(|&(distance, a, b)| distance < 0.0 || bodies.joints_between(a, b) > HIP);
     Ok(Home { q, nearest })
 }
 

@@ -6,6 +6,8 @@ use nalgebra::Vector2;
 
 /// Places across the hull at which a rectangle may begin and end.
 const PLACES: usize = 81;
+/// Share of the width that is left out at either end.
+const INSET: f64 = 1e-6;
 
 /// Smallest and largest coordinates of an axis-parallel rectangle [m].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,7 +79,10 @@ pub(crate) fn area(polygon: &[Vector2<f64>]) -> f64 {
 /// The largest rectangle along the axes inside a convex polygon; `None` if that has no area.
 pub(crate) fn largest_rectangle(polygon: &[Vector2<f64>]) -> Option<Rectangle> {
     let around = bounds(polygon)?;
-    let (left, width) = (around.lower.x, around.upper.x - around.lower.x);
+    // A little inside: an upright edge may be slanted by rounding, and then only a corner of it is at the very end.
+    let inset = INSET * (around.upper.x - around.lower.x);
+    let left = around.lower.x + inset;
+    let width = around.upper.x - inset - left;
     let at = |i: usize| left + width * i as f64 / (PLACES - 1) as f64;
     let reach: Vec<Option<[f64; 2]>> = (0..PLACES).map(|i| between(polygon, at(i))).collect();
     let mut best: Option<(f64, Rectangle)> = None;
@@ -154,11 +159,11 @@ mod tests {
     fn the_largest_rectangle_in_a_rectangle_is_itself_and_in_a_rhombus_half_of_it() {
         let square = convex_hull(&points(&[[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]]));
         let found = largest_rectangle(&square).unwrap();
-        assert_eq!((found.centre().x, found.centre().y), (1.0, 0.5));
-        assert_eq!((found.half_size().x, found.half_size().y), (1.0, 0.5));
+        assert!((found.centre() - Vector2::new(1.0, 0.5)).norm() < 1e-9);
+        assert!((found.half_size() - Vector2::new(1.0, 0.5)).norm() < 1e-5);
         let rhombus = convex_hull(&points(&[[-2.0, 0.0], [0.0, -1.0], [2.0, 0.0], [0.0, 1.0]]));
         let found = largest_rectangle(&rhombus).unwrap();
-        assert!((found.half_size() - Vector2::new(1.0, 0.5)).norm() < 1e-9);
+        assert!((found.half_size() - Vector2::new(1.0, 0.5)).norm() < 1e-5);
         assert_eq!(largest_rectangle(&points(&[[0.0, 0.0], [1.0, 0.0]])), None);
     }
 }
