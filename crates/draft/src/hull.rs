@@ -76,13 +76,16 @@ pub(crate) fn area(polygon: &[Vector2<f64>]) -> f64 {
         / 2.0
 }
 
-/// The largest rectangle along the axes inside a convex polygon; `None` if that has no area.
-pub(crate) fn largest_rectangle(polygon: &[Vector2<f64>]) -> Option<Rectangle> {
+/// The largest rectangle along the axes inside a convex polygon, with x from `from` on; `None` if there is none.
+pub(crate) fn largest_rectangle(polygon: &[Vector2<f64>], from: f64) -> Option<Rectangle> {
     let around = bounds(polygon)?;
     // A little inside: an upright edge may be slanted by rounding, and then only a corner of it is at the very end.
     let inset = INSET * (around.upper.x - around.lower.x);
-    let left = around.lower.x + inset;
+    let left = (around.lower.x + inset).max(from);
     let width = around.upper.x - inset - left;
+    if width <= 0.0 {
+        return None;
+    }
     let at = |i: usize| left + width * i as f64 / (PLACES - 1) as f64;
     let reach: Vec<Option<[f64; 2]>> = (0..PLACES).map(|i| between(polygon, at(i))).collect();
     let mut best: Option<(f64, Rectangle)> = None;
@@ -158,12 +161,18 @@ mod tests {
     #[test]
     fn the_largest_rectangle_in_a_rectangle_is_itself_and_in_a_rhombus_half_of_it() {
         let square = convex_hull(&points(&[[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]]));
-        let found = largest_rectangle(&square).unwrap();
+        let found = largest_rectangle(&square, f64::NEG_INFINITY).unwrap();
         assert!((found.centre() - Vector2::new(1.0, 0.5)).norm() < 1e-9);
         assert!((found.half_size() - Vector2::new(1.0, 0.5)).norm() < 1e-5);
+        let right = largest_rectangle(&square, 1.5).unwrap();
+        assert!((right.centre() - Vector2::new(1.75, 0.5)).norm() < 1e-5);
+        assert_eq!(largest_rectangle(&square, 2.5), None);
         let rhombus = convex_hull(&points(&[[-2.0, 0.0], [0.0, -1.0], [2.0, 0.0], [0.0, 1.0]]));
-        let found = largest_rectangle(&rhombus).unwrap();
+        let found = largest_rectangle(&rhombus, f64::NEG_INFINITY).unwrap();
         assert!((found.half_size() - Vector2::new(1.0, 0.5)).norm() < 1e-5);
-        assert_eq!(largest_rectangle(&points(&[[0.0, 0.0], [1.0, 0.0]])), None);
+        assert_eq!(
+            largest_rectangle(&points(&[[0.0, 0.0], [1.0, 0.0]]), 0.0),
+            None
+        );
     }
 }

@@ -156,19 +156,12 @@ fn find<'a>(bodies: &'a Bodies<'a>, wishes: &Wishes) -> Result<Parts<'a>, DraftE
         sole::require_shape(bodies, "foot", frame)?;
     }
     let heading = heading::heading(bodies, &feet, wishes.forward)?;
-    let left_first = |ends: Ends| {
-        let [a, b] = ends
-            .pair
-            .ends()
-            .map(|j| bodies.origin(j).dot(&heading.left));
-        if a >= b { ends } else { ends.swapped() }
-    };
-    feet = left_first(feet);
+    feet = left_first(bodies, feet, &heading);
     let hands = match &wishes.hands {
         Some(names) => Some(limbs::named(bodies, names, "--hands")?),
         None => limbs::hands(bodies, &feet)?,
     };
-    let hands = hands.map(left_first);
+    let hands = hands.map(|ends| left_first(bodies, ends, &heading));
     let mut doubts: Vec<String> = heading.doubt.iter().cloned().collect();
     let [left, right] = feet.frames.map(|frame| sole::sole(bodies, frame, &heading));
     let (left, right) = (left?, right?);
@@ -191,6 +184,15 @@ fn find<'a>(bodies: &'a Bodies<'a>, wishes: &Wishes) -> Result<Parts<'a>, DraftE
         hands,
         doubts,
     })
+}
+
+/// Two limbs, that of the left first.
+fn left_first(bodies: &Bodies, ends: Ends, heading: &Heading) -> Ends {
+    let [a, b] = ends
+        .pair
+        .ends()
+        .map(|j| bodies.origin(j).dot(&heading.left));
+    if a >= b { ends } else { ends.swapped() }
 }
 
 /// Says if two soles are no mirror images at rest.

@@ -138,12 +138,14 @@ pub(crate) fn hands(bodies: &Bodies, feet: &Ends) -> Result<Option<Ends>, DraftE
             all.iter().find(|pair| pair.ends() == [a, b]).cloned()
         };
         let length = ways[0].len().min(ways[1].len());
-        ways.iter_mut().for_each(|way| way.truncate(length));
+        for way in &mut ways {
+            way.truncate(length);
+        }
         let mut found = alike(&ways);
         while found.is_none() && ways[0].len() > JOINTS {
-            ways.iter_mut().for_each(|way| {
+            for way in &mut ways {
                 way.pop();
-            });
+            }
             found = alike(&ways);
         }
         arms.extend(found.filter(|pair| pair.len() >= JOINTS));

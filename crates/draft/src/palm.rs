@@ -25,6 +25,8 @@ const FACE: f64 = 1.0;
 const FLAT: [f64; 2] = [0.01, 0.02];
 /// A hand is at most so long, as a multiple of the sole: what is further back of its link is forearm.
 const LENGTH: f64 = 0.75;
+/// A palm lies in this share of the hand, at its end: what is further back is near the wrist, whose links are to keep clear of what is held.
+const OUTER: f64 = 0.5;
 /// Share of the face that is taken, and how large a palm is at most and at least: half sizes [m].
 const SHARE: f64 = 0.75;
 const SIZES: (f64, f64) = (0.03, 0.008);
@@ -36,6 +38,9 @@ pub(crate) const INWARD: f64 = 0.7;
 const UP: usize = 3;
 const AROUND: f64 = 0.12;
 const OUTWARDS: f64 = 0.015;
+
+/// The outward normal of a side in the joint, and its area as a share of the largest.
+type Side = (Vector3<f64>, f64);
 
 /// A hand whose palm is sought.
 #[derive(Debug, Clone)]
@@ -49,7 +54,7 @@ pub(crate) struct Hand {
     /// Unit vector from the wrist to the middle, in the joint.
     pub along: Vector3<f64>,
     /// Outward normals of the sides that are no tip, in the joint, with the areas of these sides as shares of the largest.
-    pub sides: Vec<(Vector3<f64>, f64)>,
+    pub sides: Vec<Side>,
 }
 
 /// The hand that a link is, of a robot with soles of this length [m].
@@ -124,7 +129,7 @@ pub(crate) fn palms_at_rest(
     } else {
         -heading.left
     };
-    matching(bodies, hands, heading, |_, side| {
+    matching(bodies, hands, heading, |side| {
         rotate(&hands[0], &side.0).dot(&wish) + FACE * side.1
     })
 }
@@ -137,7 +142,7 @@ pub(crate) fn palms_inward(
     posture: &Kinematics,
 ) -> [Vector3<f64>; 2] {
     let base_from_hand = posture.world_from_joint[hands[0].joint];
-    matching(bodies, hands, heading, |_, side| {
+    matching(bodies, hands, heading, |side| {
         -base_from_hand.rotate(side.0).dot(&heading.left)
     })
 }
@@ -147,15 +152,15 @@ fn matching(
     bodies: &Bodies,
     hands: &[Hand; 2],
     heading: &Heading,
-    score: impl Fn(usize, &(Vector3<f64>, f64)) -> f64,
+    score: impl Fn(&Side) -> f64,
 ) -> [Vector3<f64>; 2] {
     let [left, right] = hands;
-    let best = |hand: &Hand, score: &dyn Fn(&(Vector3<f64>, f64)) -> f64| {
+    let best = |hand: &Hand, score: &dyn Fn(&Side) -> f64| {
         let sides = hand.sides.iter();
         let best = sides.max_by(|x, y| score(x).total_cmp(&score(y)));
         best.map_or(Vector3::y(), |(normal, _)| *normal)
     };
-    let own = best(left, &|side| score(0, side));
+    let own = best(left, &score);
     let in_base = bodies.kinematics.world_from_joint[left.joint].rotate(own);
     let image = mirrored(&in_base, &heading.left);
     let base_from_right = &bodies.kinematics.world_from_joint[right.joint];
@@ -184,9 +189,12 @@ pub(crate) fn palm(
     let ahead = across.max_by(|a, b| a.dot(&hand.along).total_cmp(&b.dot(&hand.along)));
     let axes = axes_of(normal, ahead.unwrap_or(&hand.along));
     let tips = &hand.tips;
+    let x = axes.column(0).into_owned();
+    let (end, wrist) = (reach(tips, &x), -reach(tips, &-x));
+    let begin = end - OUTER * (end - wrist);
     let flat = FLAT.iter().find_map(|&depth| {
         let face = convex_hull(&in_plane(&near_face(tips, normal, depth), &axes));
-        largest_rectangle(&face).filter(|flat| flat.half_size().min() * SHARE >= SIZES.1)
+        largest_rectangle(&face, begin).filter(|flat| flat.half_size().min() * SHARE >= SIZES.1)
     });
     let whole = in_plane(&tips.iter().map(|(p, _)| *p).collect::<Vec<_>>(), &axes);
     let (place, half, note) = if let Some(flat) = flat {
@@ -195,7 +203,7 @@ pub(crate) fn palm(
         let middle = axes.tr_mul(&hand.middle).xy();
         let size = bounds(&whole).map_or(Vector2::zeros(), |all| all.half_size());
         let note = format!(
-            "the side of {:?} that faces inward has no flat part: its palm is a guess, in the middle of the link",
+            "the side of {:?} that faces inward has no flat part: its palm is a guess, in the middle of the hand",
             link.name
         );
         (middle, size * ROUND_SHARE, Some(note))

@@ -7,6 +7,10 @@ const PLACES: (i32, i32) = (6, 4);
 
 /// Where a hand or foot touches.
 #[derive(Debug, Clone)]
+#[allow(
+    clippy::struct_field_names,
+    reason = "a pose is named by both of its frames"
+)]
 pub(crate) struct Patch {
     /// The link that carries it.
     pub frame: usize,

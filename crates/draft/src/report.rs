@@ -4,6 +4,7 @@ use crate::Parts;
 use crate::patch::Patch;
 use crate::posture::Stand;
 use multibody::{JointKind, Kinematics};
+use std::fmt::Write;
 
 /// Links that are nearer to each other in the stance than this are told [m].
 const NEAR: f64 = 0.03;
@@ -105,7 +106,7 @@ impl Told<'_> {
             1e3 * stand.com[0].hypot(stand.com[1]),
         )];
         if let Some(knees) = self.knees {
-            out[0] += &format!(" Knees are bent by {:.2} rad.", knees.abs());
+            let _ = write!(out[0], " Knees are bent by {:.2} rad.", knees.abs());
         }
         if let (Some((ends, _)), Some(angle)) = (&self.parts.hands, self.palm_angle()) {
             let height = self.hand_height(ends.frames[0]);

@@ -57,7 +57,7 @@ pub(crate) fn sole(bodies: &Bodies, frame: usize, heading: &Heading) -> Result<S
         length: 1e3 * size.x,
         width: 1e3 * size.y,
     };
-    let rectangle = largest_rectangle(&hull).ok_or_else(small)?;
+    let rectangle = largest_rectangle(&hull, f64::NEG_INFINITY).ok_or_else(small)?;
     let half = rectangle.half_size() * SHARE;
     if half.min() < LEAST {
         return Err(small());

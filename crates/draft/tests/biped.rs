@@ -107,7 +107,7 @@ impl Biped {
             out,
             &name("foot"),
             1.0,
-            [(heel + toe) / 2.0, 0.0, -0.06],
+            [f64::midpoint(heel, toe), 0.0, -0.06],
             [toe - heel, 0.08, 0.04],
         );
         let wide = [-1.5, 1.5];
