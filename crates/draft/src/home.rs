@@ -134,6 +134,8 @@ pub(crate) fn home(
         { roots }.any(|root| bodies.is_behind(j, root))
     };
     let is_arms = |pair: &(f64, usize, usize)| of_arm(pair.1) || of_arm(pair.2);
+    // Where three joints are in one place, as in a hip, shapes are near each other in any posture.
+    let is_hip = |pair: &(f64, usize, usize)| bodies.joints_between(pair.1, pair.2) <= HIP;
     let mut wish = Wish {
         stance,
         hands: hands_at(WAYS[0]),
@@ -142,8 +144,8 @@ pub(crate) fn home(
     for wider in WIDER {
         wish.stance = stance + wider;
         let q = posture.solve(&wish).0;
-        let clear = clearance(scene, &q, &|pair| !is_arms(pair))?;
-        // Boxes around hips are near each other however the legs stand: wider is to help.
+        let of_legs = |pair: &_| !is_arms(pair) && !is_hip(pair);
+        let clear = clearance(scene, &q, &of_legs)?;
         if best
             .as_ref()
             .is_none_or(|(most, ..)| clear > most + 0.3 * wider)
@@ -170,10 +172,8 @@ pub(crate) fn home(
             }
         }
     }
-    // Where three joints are in one place, as in a hip, shapes are near each other in any posture.
-    let pairs = distances(scene, &q)?.into_iter();
-    let nearest =
-        { pairs }.find(|&(distance, a, b)| distance < 0.0 || bodies.joints_between(a, b) > HIP);
+    let mut pairs = distances(scene, &q)?.into_iter();
+    let nearest = pairs.find(|pair| pair.0 < 0.0 || !is_hip(pair));
     Ok(Home { q, nearest })
 }
 

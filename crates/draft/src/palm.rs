@@ -192,9 +192,12 @@ pub(crate) fn palm(
     let x = axes.column(0).into_owned();
     let (end, wrist) = (reach(tips, &x), -reach(tips, &-x));
     let begin = end - OUTER * (end - wrist);
-    let flat = FLAT.iter().find_map(|&depth| {
+    let places = [begin, f64::NEG_INFINITY].into_iter();
+    let mut tries = places.flat_map(|from| FLAT.map(|depth| (from, depth)));
+    let flat = tries.find_map(|(from, depth)| {
         let face = convex_hull(&in_plane(&near_face(tips, normal, depth), &axes));
-        largest_rectangle(&face, begin).filter(|flat| flat.half_size().min() * SHARE >= SIZES.1)
+        let found = largest_rectangle(&face, from);
+        found.filter(|flat| flat.half_size().min() * SHARE >= SIZES.1)
     });
     let whole = in_plane(&tips.iter().map(|(p, _)| *p).collect::<Vec<_>>(), &axes);
     let (place, half, note) = if let Some(flat) = flat {
