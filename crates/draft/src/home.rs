@@ -34,8 +34,8 @@ const LEGS_CLEAR: f64 = 0.02;
 const HIP: usize = 3;
 /// By how much soles are put further apart than at rest, tried in this order [m].
 const WIDER: [f64; 4] = [0.0, 0.03, 0.06, 0.1];
-/// More than that between soles at rest is brought down to it, as a multiple of their width.
-const WIDEST: f64 = 3.5;
+/// Soles that are nearer to each other at rest are put apart to this multiple of their half width.
+const NARROWEST: f64 = 2.2;
 
 /// Where elbows and hands are to be.
 #[derive(Debug, Clone, Copy)]
@@ -105,10 +105,10 @@ pub(crate) fn reaches(
     [0, 1].map(one).into()
 }
 
-/// Distance of the soles at rest, brought to what a robot stands with [m].
+/// Distance of the soles at rest, more if they would overlap [m].
 pub(crate) fn stance(posture: &Posture, bodies: &Bodies, half_width: f64) -> f64 {
     let at_rest = posture.stand(&bodies.q).stance.abs();
-    at_rest.min(WIDEST * 2.0 * half_width).max(2.2 * half_width)
+    at_rest.max(NARROWEST * half_width)
 }
 
 /// A stance with what is near what in it.

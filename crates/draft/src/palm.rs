@@ -234,7 +234,8 @@ pub(crate) fn palm(
     }
 }
 
-/// How far out along its normal a patch is that nothing of the hand is beyond [m], and where the arm behind it ends.
+/// How far out along its normal a patch is that nothing of the hand's own body is beyond [m], nor fingers and forearm if that takes little;
+/// and where the arm behind it ends.
 fn height(
     bodies: &Bodies,
     hand: &Hand,
@@ -245,24 +246,30 @@ fn height(
     let model = bodies.model();
     let patch_from_base = (posture.world_from_joint[hand.joint] * *joint_from_patch).inverse();
     let arm: Vec<usize> = bodies.up(hand.joint).skip(1).take(UP).collect();
-    let (mut own, mut above) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+    let [mut own, mut fingers, mut above] = [f64::NEG_INFINITY; 3];
     for (frame, link) in model.frames.iter().enumerate() {
         let Some(joint) = link.joint.filter(|&j| j != 0) else {
             continue;
         };
-        let is_own = bodies.is_behind(joint, hand.joint);
-        if !is_own && !arm.contains(&joint) {
-            continue;
-        }
+        let is_finger = joint != hand.joint && bodies.is_behind(joint, hand.joint);
         let patch_from_link = patch_from_base * posture.frame_pose(model, frame);
         for (tip, radius) in robot.tips(frame) {
             let p = patch_from_link.act(tip);
-            if is_own {
-                own = own.max(p.z + radius);
-            } else if p.xy().norm() < AROUND {
-                above = above.max(p.z + radius);
+            let out = p.z + radius;
+            if joint == hand.joint {
+                own = own.max(out);
+            } else if is_finger {
+                fingers = fingers.max(out);
+            } else if arm.contains(&joint) && p.xy().norm() < AROUND {
+                above = above.max(out);
             }
         }
     }
-    (own.max(above.min(own + OUTWARDS)), above)
+    if own == f64::NEG_INFINITY {
+        own = reach(
+            &hand.tips,
+            &joint_from_patch.rotation().column(2).into_owned(),
+        );
+    }
+    (own.max(fingers.max(above).min(own + OUTWARDS)), above)
 }
