@@ -1,7 +1,7 @@
 //! Drafts a robot file from a URDF or MJCF: which links are feet and hands, soles, palms, and a nominal stance.
 //!
 //! Everything is geometry of the description, nothing is known of a robot: feet are the lowest ends of limbs that are like each other left
-//! and right ([`limbs`](self)), soles their lowest faces, hands the ends of other such limbs, palms their sides that face inward in the
+//! and right, soles their lowest faces, hands the ends of other such limbs, palms their sides that face inward in the
 //! stance. The stance solves a least-squares problem on the robot's kinematics.
 //!
 //! Frames: `base`, the root link, upright; `joint`, that of a body; `patch`, z out of the link.

@@ -202,11 +202,13 @@ impl<'a> Posture<'a> {
             // Shins go back where knees can bend that way, as a man's do.
             let v = &self.variables[of_knee];
             let room = |by: f64| (bent(v, by) - v.rest).abs();
-            let by = if room(turn * BEND) >= room(-turn * BEND) {
-                turn * BEND
+            let side = if room(turn * BEND) >= room(-turn * BEND) {
+                turn
             } else {
-                -turn * BEND
+                -turn
             };
+            // A keyframe may have them bent already.
+            let by = side * (BEND - side * (v.rest - self.zero(middle))).clamp(0.0, BEND);
             let knee_turn = by * turn;
             self.variables[of_knee].guess = bent(v, by);
             self.variables[of_knee].weight = KNEE;
@@ -225,10 +227,16 @@ impl<'a> Posture<'a> {
         self.variables.iter().position(|v| v.joints[0].0 == joint)
     }
 
-    /// How far the knees are bent in a posture [rad], left first.
+    /// How far the left knee is bent in a posture [rad].
     pub fn knees(&self, q: &[f64]) -> Option<f64> {
-        let knee = &self.variables[*self.knees.first()?];
-        Some(q[self.bodies.model().joints[knee.joints[0].0].idx_q] - knee.rest)
+        let knee = self.variables[*self.knees.first()?].joints[0].0;
+        Some(q[self.bodies.model().joints[knee].idx_q] - self.zero(knee))
+    }
+
+    /// Zero, or the limit of a joint that is nearest to it.
+    fn zero(&self, joint: usize) -> f64 {
+        let joint = &self.bodies.model().joints[joint];
+        0f64.max(joint.lower).min(joint.upper)
     }
 
     /// The best posture for a wish that is found, positions of base and joints, and how good it is (less is better).
