@@ -2,6 +2,7 @@
 
 use crate::export_command::ExportOptions;
 use crate::report_command::ReportOptions;
+use crate::robot_command::RobotOptions;
 use crate::view_command::ViewOptions;
 use crate::watch_command::WatchOptions;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -52,6 +53,8 @@ pub(crate) enum Command {
     /// Show interfaces, possible contacts, limits and skeletons of a scene, and what the pruning rules leave
     #[command(after_help = EXIT_CODES)]
     Symbols(SymbolsOptions),
+    /// Draft a robot file from a URDF or MJCF: feet, hands, soles, palms and a nominal stance
+    Robot(RobotOptions),
 }
 
 impl Command {
@@ -67,6 +70,7 @@ impl Command {
             | Self::Watch(_)
             | Self::Report(_)
             | Self::Export(_)
+            | Self::Robot(_)
             | Self::Scenes { .. } => false,
         }
     }

@@ -1,4 +1,5 @@
-//! The command `locotamp`: plans a scene, solves given contact sequences, judges, shows and exports a plan, lists what is built in.
+//! The command `locotamp`: plans a scene, solves given contact sequences, judges, shows and exports a plan, drafts robot files, lists what is
+//! built in.
 //!
 //! The only place that prints and exits. Results go to standard output, progress and errors to standard error. Exit
 //! codes: 0 done, 1 no plan or plan rejected, 2 bad usage or input.
@@ -23,6 +24,7 @@ mod reasons;
 mod report_command;
 mod result_json;
 mod result_text;
+mod robot_command;
 mod scene_commands;
 mod solve_command;
 mod symbols_command;
@@ -65,6 +67,7 @@ fn main() -> ExitCode {
         Command::Export(options) => export_command::run(options),
         Command::Scenes { name } => scene_commands::scenes(name.as_deref()),
         Command::Symbols(options) => symbols_command::run(options),
+        Command::Robot(options) => robot_command::run(options),
     };
     match done {
         Ok(exit) => exit.into(),

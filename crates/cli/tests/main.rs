@@ -3,6 +3,7 @@
 mod bad_input;
 mod chain;
 mod exporting;
+mod robots;
 mod sequences;
 mod symbols;
 mod viewing;

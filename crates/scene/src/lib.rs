@@ -5,6 +5,7 @@
 //! `docs/scene-format.md` and, derived from the types of this crate, in `docs/scene.schema.json`. Faults are reported with
 //! the place in the file ([`SceneError`]).
 
+mod bare_robot;
 mod bodies;
 mod builtin;
 mod doubts;
@@ -43,6 +44,7 @@ mod types;
 mod urdf_text;
 mod values;
 
+pub use bare_robot::BareRobot;
 pub use error::{Fault, SceneError};
 pub use perturb::Perturbation;
 pub use sequence::{Expectation, Sequence, SequenceFile, SequenceGoal, SequencePhase};

@@ -21,10 +21,10 @@ use std::path::Path;
 use symbolic::ContactState;
 
 /// Gravity if none is given [m/s²].
-const STANDARD_GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);
+pub(crate) const STANDARD_GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);
 
 /// Friction if none is given.
-const DEFAULT_FRICTION: Friction = Friction {
+pub(crate) const DEFAULT_FRICTION: Friction = Friction {
     mu: 0.7,
     mu_r: 0.02,
 };
@@ -82,6 +82,7 @@ fn build(source: &Source, file: &SceneFile, base_dir: &Path) -> Result<Scene, Sc
         interfaces,
         bare,
         unread,
+        ..
     } = robot::load(
         &file.robot,
         robot_place,

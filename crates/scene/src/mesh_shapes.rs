@@ -29,6 +29,8 @@ pub(crate) struct MeshShapes {
     pub notes: Vec<String>,
     /// Links with meshes that could not be read.
     pub unread: Vec<String>,
+    /// Triangles of the meshes that links collide with, by the name of the link, in its frame.
+    pub meshes: Vec<(String, Vec<Triangle>)>,
 }
 
 /// A mesh of a link that was read.
@@ -58,6 +60,7 @@ pub(crate) fn with_fitted_shapes(urdf: &str, folders: &MeshFolders, axes: &[Axes
     let mut fitted_links = 0;
     let mut fitted = Vec::new();
     let mut discs = 0;
+    let mut meshes = Vec::new();
     if let Ok(document) = Document::parse(urdf) {
         for link in children(document.root_element(), "link") {
             let mut parts = read_parts(link, (folders, axes), &mut missing);
@@ -70,6 +73,8 @@ pub(crate) fn with_fitted_shapes(urdf: &str, folders: &MeshFolders, axes: &[Axes
                     None => edits.append(link, urdf, elements),
                 }
                 fitted.extend(part.shapes);
+                let link = link.attribute("name").unwrap_or_default();
+                meshes.push((link.to_owned(), part.triangles));
             }
             for (disc, size) in flat_cylinders(link) {
                 edits.replace(disc.range(), format!("<box size=\"{size}\"/>"));
@@ -99,6 +104,7 @@ pub(crate) fn with_fitted_shapes(urdf: &str, folders: &MeshFolders, axes: &[Axes
         urdf: edits.apply(urdf),
         notes,
         unread: missing.links,
+        meshes,
     }
 }
 

@@ -9,6 +9,7 @@ use crate::mesh_shapes::{Axes, with_fitted_shapes};
 use crate::nearest::{list, nearest};
 use crate::parse::parse;
 use crate::source::{At, Place, Source};
+use crate::split::Triangle;
 use crate::tiny_masses::with_tiny_masses;
 use crate::torque_speed::{TorqueSpeedEntry, set_torque_speed};
 use crate::{Fault, Interface, Owner, PlacedShape, Robot, SceneError, Shape};
@@ -58,6 +59,10 @@ pub(crate) struct LoadedRobot {
     pub bare: bool,
     /// Links with meshes that could not be read.
     pub unread: Vec<String>,
+    /// Corners of the triangles of the meshes that each link collides with, in its frame [m].
+    pub mesh_corners: Vec<Vec<Vector3<f64>>>,
+    /// The other shapes that each link collides with, as they are described.
+    pub primitives: Vec<Vec<PlacedShape>>,
 }
 
 /// Texts that a robot is made of.
@@ -115,9 +120,11 @@ pub(crate) fn load(
         &mesh_folders(&texts, &base_dir.join(name), meshes)?,
         &axes_of_patches(&model, &interfaces),
     );
+    let primitives = collision_shapes(&mut model.clone());
     if fitted.urdf != *urdf {
         model = read(&fitted.urdf)?;
     }
+    let mesh_corners = corners_by_link(&model, fitted.meshes);
     model.notes.extend(notes.iter().cloned());
     model.notes.extend(fitted.notes);
     model.gravity = gravity;
@@ -140,7 +147,20 @@ pub(crate) fn load(
         interfaces,
         bare: texts.file.is_none(),
         unread: fitted.unread,
+        mesh_corners,
+        primitives,
     })
+}
+
+/// Corners of the meshes of each link of the model.
+fn corners_by_link(model: &Model, meshes: Vec<(String, Vec<Triangle>)>) -> Vec<Vec<Vector3<f64>>> {
+    let mut out = vec![vec![]; model.frames.len()];
+    for (link, triangles) in meshes {
+        if let Some(frame) = model.frame_id(&link) {
+            out[frame].extend(triangles.into_iter().flatten());
+        }
+    }
+    out
 }
 
 /// Axes of the links that carry patches.

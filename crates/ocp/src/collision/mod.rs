@@ -298,6 +298,15 @@ impl CollisionModel {
         }
     }
 
+    /// Links that keep out of one another, with their distance in the home posture [m], negative where they overlap; nearest first.
+    pub fn distances_at_home(&self) -> Vec<(f64, usize, usize)> {
+        let mut out: Vec<_> = (self.self_pairs.iter())
+            .map(|pair| (pair.at_home, pair.a, pair.b))
+            .collect();
+        out.sort_by(|x, y| x.0.total_cmp(&y.0));
+        out
+    }
+
     /// Links that overlap in the home posture though not because of how the robot is built: how deep [m] and which, deepest first.
     pub fn overlaps_at_home(&self) -> Vec<(f64, usize, usize)> {
         let deep = self.self_pairs.iter().filter(|pair| pair.at_home < 0.0);
