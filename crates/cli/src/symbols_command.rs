@@ -205,6 +205,7 @@ fn in_json(symbols: &Symbols) -> Value {
             "max_skeleton": symbols.graph.skeletons().max_actions(),
             "max_changes": scene.search.max_changes,
             "support_hands": scene.search.support_hands,
+            "flights": scene.search.flights,
             "min_duration": rounded(scene.optimiser.min_duration),
             "max_duration": rounded(scene.optimiser.max_duration),
         },

@@ -102,8 +102,9 @@ fn limits(symbols: &Symbols, text: &mut String) {
     };
     let _ = writeln!(
         text,
-        "  changes of free interfaces {:>6}  per action; hands {hands}",
-        search.max_changes
+        "  changes of free interfaces {:>6}  per action; hands {hands}{}",
+        search.max_changes,
+        if search.flights { "" } else { "; no flights" }
     );
 }
 

@@ -121,6 +121,7 @@ pub fn skeletons(scene: &Scene) -> Result<Skeletons, Error> {
     let options = GraphOptions {
         max_changes: scene.search.max_changes,
         support_hands: scene.search.support_hands,
+        flights: scene.search.flights,
         max_actions: scene.search.max_skeleton,
         release_at_end: RELEASE_AT_END,
     };

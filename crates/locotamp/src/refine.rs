@@ -23,10 +23,11 @@ const BARRIER: f64 = 1e-3;
 /// a few up to twice the most.
 const FINER_ITERATIONS: usize = 150;
 const NEARLY_THERE: usize = 100;
-/// In how many iterations the violation must have come to a new least one, by how much of it: a motion of 30 s went on for 120 s without
-/// (benches/runs/2026-11-29-walks.md), one that ended well came to none in 25.
+/// In how many iterations the violation must have come to a new least one, and what share of the last that is at most: a motion of 30 s
+/// went on for 120 s without any (benches/runs/2026-11-29-walks.md), another one crept on by a tenth in 15 iterations; one that ended well
+/// came to none in 25.
 const PATIENCE: usize = 50;
-const PROGRESS: f64 = 0.9;
+const PROGRESS: f64 = 0.5;
 /// How many iterations before that count: violations rise now and then when the barrier falls.
 const RECENT: usize = 10;
 
@@ -256,10 +257,10 @@ mod tests {
         let near = ocp::NEARLY_SOLVED / 2.0;
         let (most, patience) = (4 * PATIENCE, PATIENCE);
         assert_eq!(iterations(&[1.0], most), patience + 2);
-        assert_eq!(iterations(&[1.0, 0.95], most), patience + 2, "hardly");
-        assert_eq!(iterations(&[1.0, 0.5], most), patience + 3);
+        assert_eq!(iterations(&[1.0, 0.6], most), patience + 2, "hardly");
+        assert_eq!(iterations(&[1.0, 0.4], most), patience + 3);
         let solved_after = vec![near; patience];
-        let repaired = [&solved_after[..], &[1.0, 0.5]].concat();
+        let repaired = [&solved_after[..], &[1.0, 0.4]].concat();
         assert_eq!(iterations(&repaired, most), patience + patience + 3);
     }
 

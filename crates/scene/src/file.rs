@@ -393,6 +393,8 @@ pub(crate) struct SearchEntry {
     pub max_changes: Option<At<usize>>,
     /// May free hands make supporting contacts; default false.
     pub support_hands: Option<bool>,
+    /// May the robot be in the air, carried by nothing; default true.
+    pub flights: Option<bool>,
     /// Intervals per phase during the search, before refinement; default 8.
     pub steps: Option<At<usize>>,
     /// Path of a PDDL domain (.pddl) whose actions move the objects, relative to the scene file; default: the built-in

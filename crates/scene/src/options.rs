@@ -23,6 +23,7 @@ impl Default for SearchOptions {
             max_skeleton: None,
             max_changes: 1,
             support_hands: false,
+            flights: true,
             steps: 6,
             domain: None,
         }
@@ -59,6 +60,7 @@ pub(crate) fn search(
         max_changes: count("max_changes", entry.max_changes.as_ref())?
             .unwrap_or(default.max_changes),
         support_hands: entry.support_hands.unwrap_or(default.support_hands),
+        flights: entry.flights.unwrap_or(default.flights),
         steps: entry
             .steps
             .as_ref()

@@ -194,6 +194,8 @@ pub struct SearchOptions {
     pub max_changes: usize,
     /// May free hands make supporting contacts.
     pub support_hands: bool,
+    /// May the robot be in the air, carried by nothing.
+    pub flights: bool,
     /// Intervals per phase during the search, before refinement.
     pub steps: usize,
     /// The actions that move objects; `None`: the built-in ones.

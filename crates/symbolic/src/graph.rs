@@ -11,6 +11,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::action::Action;
+use crate::carried::is_carried;
 use crate::contact::{Contact, ContactState, InterfaceId};
 use crate::domain::{Domain, Role};
 use crate::error::SymbolicError;
@@ -29,6 +30,8 @@ pub struct GraphOptions {
     pub max_changes: usize,
     /// May hands that hold nothing make supporting contacts.
     pub support_hands: bool,
+    /// May the robot be in the air, carried by nothing ([`is_carried`]).
+    pub flights: bool,
     /// Largest number of skeleton actions N; `None`: the shortest skeleton and four more.
     pub max_actions: Option<usize>,
     /// Must the objects of the goal be released at the end, except by grasps that the goal names.
@@ -40,6 +43,7 @@ impl Default for GraphOptions {
         Self {
             max_changes: 1,
             support_hands: true,
+            flights: true,
             max_actions: None,
             release_at_end: true,
         }
@@ -343,8 +347,9 @@ impl SkeletonGraph {
             }
             for count in 0..=self.options.max_changes.min(sides.len()) {
                 combine(&base, &sides, count, &mut |state| {
-                    let legal =
-                        both_sides(&state).is_none() && transition_fault(from, &state).is_none();
+                    let legal = both_sides(&state).is_none()
+                        && transition_fault(from, &state).is_none()
+                        && (self.options.flights || is_carried(&self.domain, &state));
                     if legal && self.satisfies(&state, to) {
                         found.push((state, to, operator));
                     }

@@ -38,6 +38,7 @@
 extern crate self as symbolic;
 
 mod action;
+mod carried;
 mod contact;
 pub mod contact_rules;
 mod domain;
@@ -56,6 +57,7 @@ mod task_graph;
 pub mod transition_rules;
 
 pub use action::Action;
+pub use carried::is_carried;
 pub use contact::{Contact, ContactState, ContactType, InterfaceId};
 pub use domain::{Domain, Interface, Owner, Role};
 pub use error::SymbolicError;

@@ -188,6 +188,26 @@ fn options_bound_the_changes_of_free_interfaces() {
 }
 
 #[test]
+fn without_flights_one_foot_stays_where_it_is_carried() {
+    let mut graph = figure(GraphOptions {
+        max_changes: 2,
+        support_hands: false,
+        flights: false,
+        ..GraphOptions::default()
+    });
+    let root = graph.root();
+    let after = graph.successors(root);
+    // As with flights, but for both feet up at once: alone, and with a grasp by either hand.
+    assert_eq!(after.len(), 2 * 4 + 3 - 3);
+    for next in &after {
+        assert!(symbolic::is_carried(
+            graph.domain(),
+            graph.state(next.node.state)
+        ));
+    }
+}
+
+#[test]
 fn one_hand_may_touch_before_a_squeeze_but_two_hands_are_a_grasp() {
     let domain = two_boxes(1);
     let rests = "red_box_bottom on ground_top, green_box_bottom on table_a_top";

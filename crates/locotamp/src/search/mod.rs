@@ -304,12 +304,16 @@ impl Run<'_> {
                 return ended;
             }
             let best = self.refine_best(true);
-            if best.as_ref().is_some_and(Found::is_refined) || self.is_late() {
+            if best.as_ref().is_some_and(Found::is_refined) {
                 self.refined = best;
                 return ended;
             }
             let before = self.coarse.take();
-            self.coarse = self.better(before, best);
+            self.coarse = self.best_of(before.into_iter().chain(best));
+            if self.is_late() {
+                self.refined = self.coarse.take();
+                return ended;
+            }
             let none = Diverse::new(self.request.solutions, self.least_gain);
             let plans = mem::replace(&mut self.diverse, none);
             self.aside.extend(plans.plans());

@@ -11,7 +11,7 @@ use super::{Nearest, Run, reward};
 use crate::api::{Alternative, Attempt, Event, Found, Outcome, Reached, Request};
 use crate::journal::{self, PointEntry, Tried};
 use crate::refine::{self, Refined};
-use ocp::{Motion, Settings};
+use ocp::Settings;
 use symbolic::Sequence;
 
 /// Motions that others may start from.
@@ -306,7 +306,7 @@ impl Run<'_> {
             let before = self.coarse.take();
             refined = match latest {
                 Some(found) if found.is_refined() => Some(found),
-                _ => self.better(before, latest),
+                latest => self.best_of(before.into_iter().chain(latest)),
             };
         }
         let feasible = refined.is_some();
@@ -346,15 +346,20 @@ impl Run<'_> {
         }
     }
 
-    /// The better one of two, if there is one.
-    pub fn better(&self, one: Option<Found>, other: Option<Found>) -> Option<Found> {
-        let mut plans: Vec<Found> = [one, other].into_iter().flatten().collect();
+    /// The best one of those that the checker accepts, of all if there is none.
+    pub fn best_of(&self, plans: impl IntoIterator<Item = Found>) -> Option<Found> {
+        let mut plans: Vec<Found> = plans.into_iter().collect();
         let Shop {
             planner, settings, ..
         } = self.shop;
         let worth = |found: &Found| Worth::of(&found.plan, planner.scene, settings);
         reward::sort(&mut plans, self.least_gain, worth);
-        plans.into_iter().next()
+        let accepted = |found: &Found| refine::refusal(&found.plan, settings).is_none();
+        let chosen = match plans.len() {
+            0 | 1 => 0,
+            _ => plans.iter().position(accepted).unwrap_or(0),
+        };
+        plans.into_iter().nth(chosen)
     }
 
     /// Counts the sequences whose motions on the coarse grid had no turn on the finer one, or whose turn had no end.
@@ -377,7 +382,8 @@ impl Run<'_> {
         }
     }
 
-    /// The best plan whose motion can be refined to one that the checker accepts; if none can, or it is not `wanted`, the best as it is.
+    /// The best plan whose motion can be refined to one that the checker accepts; if none can, or it is not `wanted`, the best as it is,
+    /// of those that the checker accepts so if there are any.
     pub fn refine_best(&mut self, wanted: bool) -> Option<Found> {
         let planner = self.shop.planner;
         let turns = self.workers.turns.clone();
@@ -386,7 +392,7 @@ impl Run<'_> {
             threads: self.request.thread_count(),
             ..self.shop.settings.clone()
         };
-        let mut first: Option<(Motion, Refined, Vec<String>)> = None;
+        let mut as_they_are: Vec<Found> = vec![];
         let request = Request {
             refinement: self.request.refinement.filter(|_| wanted),
             ..self.request.clone()
@@ -424,14 +430,26 @@ impl Run<'_> {
                 refined
             };
             let failed = matches!(refined, Refined::Failed(_));
-            first.get_or_insert((motion, refined, labels));
+            as_they_are.push(Found::of(planner.scene, &labels, &mut motion, refined));
             if !failed || self.is_late() || self.is_stopped() {
                 break;
             }
         }
-        first.map(|(mut motion, refined, labels)| {
-            Found::of(planner.scene, &labels, &mut motion, refined)
-        })
+        // Those that had no turn before it was too late.
+        let accepted = |found: &Found| refine::refusal(&found.plan, settings).is_none();
+        let late = || Refined::Failed(format!("time limit of {} s", request.time_limit));
+        for n in as_they_are.len()..self.diverse.len() {
+            if !wanted || as_they_are.iter().any(accepted) {
+                break;
+            }
+            let kept = &self.diverse[n];
+            let phases = with_steps(&self.phases(&kept.sequence), &kept.steps);
+            let mut motion = self.shop.restore(&phases, kept.point.clone());
+            motion.feasible = true;
+            let labels = &kept.sequence.labels;
+            as_they_are.push(Found::of(planner.scene, labels, &mut motion, late()));
+        }
+        self.best_of(as_they_are)
     }
 }
 

@@ -192,6 +192,7 @@ pub fn random_scene(seed: u64) -> Scene {
             max_skeleton: None,
             max_changes: 1,
             support_hands: true,
+            flights: true,
             domain: None,
             steps: 8,
         },

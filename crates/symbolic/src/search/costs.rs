@@ -4,8 +4,9 @@
 //! with the default of 2.2 an oddity comes just after the plain sequences with one more swing.
 
 use crate::action::Action;
+use crate::carried::{is_carried, stands};
 use crate::contact::{Contact, ContactState, InterfaceId};
-use crate::domain::{Owner, Role};
+use crate::domain::Role;
 use crate::graph::{Node, SkeletonGraph, StateId};
 
 /// One step of a sequence, for cost functions.
@@ -113,12 +114,12 @@ impl Costs {
         let mut cost = self.phase;
         cost +=
             self.simultaneous * count((free.len() + usize::from(step.advances)).saturating_sub(1));
-        cost += if is_flight(graph, step.to) {
-            self.flight
-        } else {
+        cost += if is_carried(graph.domain(), after) {
             0.0
+        } else {
+            self.flight
         };
-        let on_loose = |c: &&&Contact| after.contains(c) && !stands(graph, after, c.b);
+        let on_loose = |c: &&&Contact| after.contains(c) && !stands(graph.domain(), after, c.b);
         cost += self.flight * count(feet.iter().filter(on_loose).count());
         let kept = graph.kept(step.from, step.to).count();
         cost +=
@@ -177,46 +178,6 @@ fn hand_breaks(step: &Step<'_>, free: &[Contact]) -> usize {
         !step.graph.domain().is_effector(c.a, Role::Foot) && step.action.breaks.contains(c)
     };
     free.iter().filter(is_hand_break).count()
-}
-
-/// True if nothing carries the robot: neither a foot on what stands, nor a hand on a static body.
-fn is_flight(graph: &SkeletonGraph, node: Node) -> bool {
-    let domain = graph.domain();
-    let state = graph.state(node.state);
-    let carries = |c: &Contact| {
-        domain.interface(c.a).owner == Owner::Robot
-            && (domain.is_effector(c.a, Role::Foot) || domain.object_of(c.b).is_none())
-            && stands(graph, state, c.b)
-    };
-    !state.iter().any(|c| carries(&c))
-}
-
-/// True if the body of a surface is static, or an object that rests on one, be it on others in between.
-fn stands(graph: &SkeletonGraph, state: &ContactState, surface: InterfaceId) -> bool {
-    let domain = graph.domain();
-    let Some(object) = domain.object_of(surface) else {
-        return true;
-    };
-    let mut grounded = vec![object];
-    let mut next = 0;
-    while let Some(&object) = grounded.get(next) {
-        next += 1;
-        for contact in state.iter() {
-            match (
-                domain.interface(contact.a).owner,
-                domain.interface(contact.b).owner,
-            ) {
-                (Owner::Object(o), Owner::Static(_)) if o == object => return true,
-                (Owner::Object(o), Owner::Object(under))
-                    if o == object && !grounded.contains(&under) =>
-                {
-                    grounded.push(under);
-                }
-                _ => {}
-            }
-        }
-    }
-    false
 }
 
 fn is_new_surface(graph: &SkeletonGraph, after: &ContactState, contact: &Contact) -> bool {
