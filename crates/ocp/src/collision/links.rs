@@ -34,7 +34,7 @@ const EDGE_STEP: f64 = 0.04;
 /// however the leg moves [m].
 const ALL_BUT_TOUCH: f64 = 0.005;
 /// By how much they may [m].
-const PLAY: f64 = 0.0015;
+const PLAY: f64 = 0.0005;
 /// By how much less than at rest is demanded of two links [m].
 const AT_REST: f64 = 0.0005;
 
