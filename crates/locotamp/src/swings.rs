@@ -57,7 +57,7 @@ impl<'a> Swings<'a> {
             };
         }
         for region in &scene.goal_regions {
-            let swings = self.into_region(region, SWING);
+            let swings = self.swings_to(region, SWING);
             more += if scene.goal_contacts.is_empty() {
                 swings.saturating_sub(SWINGS_OF_NOTHING)
             } else if self.way_to(region) > 0.0 {
@@ -80,7 +80,7 @@ impl<'a> Swings<'a> {
             return 0;
         }
         let regions = self.scene.goal_regions.iter();
-        let swings = regions.map(|region| self.into_region(region, LONG_SWING));
+        let swings = regions.map(|region| self.swings_to(region, LONG_SWING));
         swings.max().unwrap_or(0)
     }
 
@@ -93,7 +93,7 @@ impl<'a> Swings<'a> {
     /// Swings until what a region is for is in it, if the base gets so far by one (heights of the base). A foot makes twice the way of
     /// the base and stands where it is until the other one has landed, so that both swing as often; the base itself, and hands, lean
     /// forward by what one swing makes; objects are carried by arms that reach.
-    fn into_region(&self, region: &RegionGoal, by_one: f64) -> usize {
+    fn swings_to(&self, region: &RegionGoal, by_one: f64) -> usize {
         let way = self.way_to(region);
         if self.scene.objects.iter().any(|o| o.name == region.body) {
             self.to_reach(way, REACH, by_one)

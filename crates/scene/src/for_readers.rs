@@ -36,7 +36,7 @@ pub(crate) fn for_readers(urdf: &str, locked: &[(String, f64)]) -> String {
                         edits.replace(given.range_value(), most.to_owned());
                     }
                     Some(_) => {}
-                    None => missing += &format!(" {name}=\"{most}\""),
+                    None => missing.extend([" ", name, "=\"", most, "\""]),
                 }
             }
             let name_ends = limit.range().start + "<limit".len();

@@ -88,16 +88,27 @@ pub(super) fn cover(pose: &Pose, shape: &Shape, out: &mut Vec<Ball>) {
     }
 }
 
-/// By how much parts stick out of the balls that cover them, at most: corners of boxes do, of small balls [m].
-pub(super) fn sticks_out(parts: &[Part]) -> f64 {
-    let corner = |part: &Part| match part {
+/// By how much a part sticks out of the balls that cover it, at most: the corners of a box do, of small balls [m].
+pub(super) fn sticks_out(part: &Part) -> f64 {
+    match part {
         Part::Box(_, half_size) => {
             let small = half_size.min().min(EDGE_BALL);
             (EDGE_INSET * 3.0_f64.sqrt() - 1.0) * small
         }
         Part::Ball(..) => 0.0,
+    }
+}
+
+/// The corners of a part that is a box, in the frame of its body.
+pub(super) fn box_corners(part: &Part) -> Vec<Vector3<f64>> {
+    let Part::Box(box_from_body, half_size) = part else {
+        return vec![];
     };
-    parts.iter().map(corner).fold(0.0, f64::max)
+    let body_from_box = box_from_body.inverse();
+    let signs = (0..8_u8).map(|code| Vector3::from_fn(|k, _| f64::from(code >> k & 1) * 2.0 - 1.0));
+    signs
+        .map(|sign| body_from_box.act(half_size.component_mul(&sign)))
+        .collect()
 }
 
 /// Points that stand for an object: the corners and edge middles of a box, the balls of anything else.

@@ -99,8 +99,6 @@ pub struct CollisionModel {
     balls: Vec<Vec<Ball>>,
     /// A ball around all balls of a body.
     bounds: Vec<Ball>,
-    /// By how much the shapes of a body stick out of its balls [m].
-    sticks_out: Vec<f64>,
     /// Shapes of links.
     parts: Vec<Vec<Part>>,
     primitives: Vec<Primitive>,
@@ -165,7 +163,6 @@ impl CollisionModel {
         };
         let mut model = Self {
             bounds: balls.iter().map(|b| bounding_ball(b)).collect(),
-            sticks_out: link_parts.iter().map(|p| cover::sticks_out(p)).collect(),
             balls,
             parts: link_parts.clone(),
             primitives,

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+use super::cover::{box_corners, sticks_out};
 use super::edges::edge_row;
 use super::shared::Shared;
 use super::touches::{Since, Touches};
@@ -36,9 +37,10 @@ const MOST_AT_CONTACT: f64 = -0.008;
 /// The least and the most that is demanded there of the neighbours in the limb of what touches [m]: no overlap, of which a smooth
 /// distance falls short by some millimetres.
 const BESIDE_CONTACT: (f64, f64) = (-0.005, -0.003);
-/// The same beside a foot for what sticks out of its balls by nothing, and that is the more: the ground takes all corners alike.
+/// The same beside a foot where boxes have corners near what it touches, less what these stick out of their balls: a flat face takes all of
+/// them alike.
 const BESIDE_FOOT: (f64, f64) = (-0.007, -0.004);
-/// Distance from what a foot touches within which its shin is that near [m].
+/// What is near there [m].
 const NEAR_FOOT: f64 = 0.01;
 /// Share of the clearance that is demanded of a hand and its wrist from what the object that it grasps or places stands on.
 pub(super) const THROUGH: f64 = 0.25;
@@ -368,12 +370,13 @@ impl CollisionModel {
                 there(own.node).min(MOST_AT_CONTACT) + rise(own.parts)
             }
             (_, Some(beside)) => {
-                let depth = self.depth(a, primitive, &at.kinematics[beside.node]);
-                let without = there(beside.node) + depth.max(0.0);
+                let overlap = self.depth(a, primitive, &at.kinematics[beside.node]);
+                let without = there(beside.node) + overlap;
                 let (mut least, mut most) = BESIDE_CONTACT;
-                if -depth < NEAR_FOOT && self.neighbours[a].iter().any(|&j| self.feet[j]) {
-                    least = least.max(BESIDE_FOOT.0 + self.sticks_out[a]);
-                    most = most.max(BESIDE_FOOT.1 + self.sticks_out[a]);
+                if self.neighbours[a].iter().any(|&j| self.feet[j]) {
+                    let out = self.corners_out(a, primitive, &at.kinematics[beside.node]);
+                    least = least.max(BESIDE_FOOT.0 + out);
+                    most = most.max(BESIDE_FOOT.1 + out);
                 }
                 without.clamp(least, most) + rise(beside.parts)
             }
@@ -392,14 +395,22 @@ impl CollisionModel {
         demanded
     }
 
-    /// How deep the balls of a body are in a primitive [m]; negative if they are outside.
+    /// How deep the balls of a body are in a primitive [m]; zero if they are outside.
     fn depth(&self, a: usize, primitive: &Primitive, at: &Kinematics) -> f64 {
         let x = primitive.pose_of_joint(at, a);
         let inside = |(c, r): &Ball| r - primitive.obstacle.roughly_nearest(&x.act(*c));
-        self.balls[a]
-            .iter()
-            .map(inside)
-            .fold(f64::NEG_INFINITY, f64::max)
+        self.balls[a].iter().map(inside).fold(0.0, f64::max)
+    }
+
+    /// By how much those boxes of a body stick out of its balls that have a corner near a primitive [m].
+    fn corners_out(&self, a: usize, primitive: &Primitive, at: &Kinematics) -> f64 {
+        let x = primitive.pose_of_joint(at, a);
+        let is_near = |part: &&Part| {
+            let mut corners = box_corners(part).into_iter();
+            corners.any(|c| primitive.obstacle.roughly_nearest(&x.act(c)) < NEAR_FOOT)
+        };
+        let near = self.parts[a].iter().filter(is_near);
+        near.map(sticks_out).fold(0.0, f64::max)
     }
 
     /// Balls of a body that come near a primitive in any of the configurations.
