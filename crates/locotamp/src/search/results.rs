@@ -355,11 +355,7 @@ impl Run<'_> {
         let worth = |found: &Found| Worth::of(&found.plan, planner.scene, settings);
         reward::sort(&mut plans, self.least_gain, worth);
         let accepted = |found: &Found| refine::refusal(&found.plan, settings).is_none();
-        let chosen = match plans.len() {
-            0 | 1 => 0,
-            _ => plans.iter().position(accepted).unwrap_or(0),
-        };
-        plans.into_iter().nth(chosen)
+        first_accepted(plans, accepted)
     }
 
     /// Counts the sequences whose motions on the coarse grid had no turn on the finer one, or whose turn had no end.
@@ -453,6 +449,16 @@ impl Run<'_> {
     }
 }
 
+/// The first one that is accepted, else the first one; nobody is asked about a single one.
+fn first_accepted<T>(mut plans: Vec<T>, accepted: impl FnMut(&T) -> bool) -> Option<T> {
+    let chosen = match plans.len() {
+        0 => return None,
+        1 => 0,
+        _ => plans.iter().position(accepted).unwrap_or(0),
+    };
+    Some(plans.swap_remove(chosen))
+}
+
 /// A mean reward as it is written, in millionths.
 fn rounded(value: f64) -> f64 {
     (value * 1e6).round() / 1e6
@@ -466,5 +472,19 @@ pub(super) fn name(reached: Reached) -> &'static str {
         Reached::Coarse => "coarse",
         Reached::Optimised => "optimised",
         Reached::Feasible => "feasible",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_plans_that_cannot_be_refined_one_that_is_accepted_comes_first() {
+        let accepted = |plan: &i32| *plan > 2;
+        assert_eq!(first_accepted(vec![1, 2, 4, 3], accepted), Some(4));
+        assert_eq!(first_accepted(vec![1, 2], accepted), Some(1));
+        assert_eq!(first_accepted(vec![1], |_| panic!("one alone")), Some(1));
+        assert_eq!(first_accepted(vec![], accepted), None);
     }
 }

@@ -133,3 +133,29 @@ pub(crate) fn corners(placed: &PlacedShape, out: &mut Vec<Ball>) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn corners_of_boxes_stick_out_of_their_balls_by_no_more_than_is_said() {
+        let pose = Pose::random(3);
+        for half_size in [[0.05, 0.04, 0.15], [0.006, 0.1, 0.1], [0.2, 0.01, 0.3]] {
+            let shape = Shape::Box {
+                half_size: Vector3::from(half_size),
+            };
+            let (mut balls, mut boxes) = (vec![], vec![]);
+            cover(&pose, &shape, &mut balls);
+            parts(&pose, &shape, &mut boxes);
+            let said = sticks_out(&boxes[0]);
+            let corners = box_corners(&boxes[0]);
+            assert_eq!(corners.len(), 8);
+            for corner in corners {
+                let from_balls = balls.iter().map(|(c, r)| (corner - c).norm() - r);
+                let out = from_balls.fold(f64::INFINITY, f64::min);
+                assert!(out > 0.0 && out < said + 1e-12, "{out}, {said}");
+            }
+        }
+    }
+}
