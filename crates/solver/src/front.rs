@@ -1,6 +1,6 @@
 //! Multifrontal Cholesky factorisation of a symmetric matrix given as a sum of element matrices.
 //!
-//! Every variable is eliminated with one of the elements that touch it ([`crate::elimination`]), so the *front* of an element holds
+//! Every variable is eliminated with one of the elements that touch it (`elimination`), so the *front* of an element holds
 //! its own variables and those carried over from its neighbours. With elements that follow one another in time the fronts
 //! stay small and the cost is linear in their number. Fixed variables are in no front.
 //!
