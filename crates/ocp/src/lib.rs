@@ -36,6 +36,7 @@ mod states;
 mod system;
 pub mod terms;
 mod torque_speed;
+mod turn;
 mod ways;
 mod worker;
 

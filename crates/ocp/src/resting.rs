@@ -3,11 +3,11 @@
 use crate::collision::corners;
 use crate::program::Phase;
 use crate::settings::Arrangement;
+use crate::turn::turn_onto;
 use crate::ways::{base_height, ground};
-use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use nalgebra::Vector3;
 use scene::{Interface, Object, Owner, PlacedShape, Scene, Shape};
 use spatial::Pose;
-use std::f64::consts::PI;
 use std::ops::Range;
 use symbolic::Contact;
 
@@ -24,6 +24,9 @@ const ROOM: f64 = 0.03;
 /// Grid of places on a support [m], and its extent each way.
 const GRID: f64 = 0.05;
 const MOST_STEPS: f64 = 10.0;
+
+/// Angle between two faces up to which they lie on one another [rad].
+const FLAT: f64 = 1e-4;
 
 /// What a step towards where an object comes from counts for, in a step away from the middle of a support.
 const TOWARDS: f64 = 0.1;
@@ -289,19 +292,14 @@ fn resting_pose(
         .collect();
     let origin = world_from_b.act(free_place(&wish, &kept, b.half_size, &taken));
     let up = world_from_b.rotate(Vector3::z());
-    let turned = onto(&(*now * a.body_from_interface).rotate(Vector3::z()), &-up) * now.rotation();
+    let out = (*now * a.body_from_interface).rotate(Vector3::z());
+    let turned = if out.angle(&-up) < FLAT {
+        *now.rotation()
+    } else {
+        turn_onto(&out, &-up) * now.rotation()
+    };
     let body_origin = origin - turned * a.body_from_interface.origin();
     Pose::from_parts(turned, body_origin)
-}
-
-/// The least turn of one direction onto another; none if they are the same to 0.1 mrad.
-fn onto(from: &Vector3<f64>, to: &Vector3<f64>) -> Matrix3<f64> {
-    if from.angle(to) < 1e-4 {
-        return Matrix3::identity();
-    }
-    let turn = UnitQuaternion::rotation_between(from, to)
-        .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI));
-    *turn.to_rotation_matrix().matrix()
 }
 
 /// Half the side of a surface [m].
@@ -453,5 +451,32 @@ mod tests {
             let place = free_place(&middle, &from, half, &taken);
             assert!((place.y - 0.2 * side).abs() < 1e-9, "{place}");
         }
+    }
+
+    #[test]
+    fn any_side_of_an_object_lies_flat_on_what_it_is_put_on() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/two-box.toml");
+        let scene = Scene::load(path).expect("a scene");
+        let id = |name: &str| scene.interface_id(name).expect("an interface");
+        let b = id("table_c_top");
+        let start = scene.objects[1].world_from_start;
+        let below = scene.interfaces[b.0].body_from_interface;
+        let mut sides = 0;
+        for a in (0..scene.interfaces.len()).map(symbolic::InterfaceId) {
+            let side = &scene.interfaces[a.0];
+            if side.owner != Owner::Object(1) {
+                continue;
+            }
+            let kind = ContactType::UnilateralPatch;
+            let contact = Contact { a, b, kind };
+            let pose = resting_pose(&scene, contact, &Pose::identity(), &start, &[]);
+            let placed = pose * side.body_from_interface;
+            let normals = placed.rotate(Vector3::z()) + below.rotate(Vector3::z());
+            assert!(normals.norm() < 1e-9, "{}", side.name);
+            let gap = below.inverse().act(placed.origin()).z;
+            assert!(gap.abs() < 1e-9, "{}", side.name);
+            sides += 1;
+        }
+        assert!(sides >= 3);
     }
 }

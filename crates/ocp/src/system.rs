@@ -4,11 +4,11 @@
 //! Newton–Euler rows ("eq:torque_constraint", "eq:twist_wrench_dynamics"), each in its own body frame.
 
 use crate::relative::{Body, Carrier};
+use crate::turn::turn_onto;
 use multibody::{Joint, JointKind, Kinematics, Model, ModelError};
-use nalgebra::{Rotation3, Vector3};
+use nalgebra::Vector3;
 use scene::{Interface, Owner, Role, Scene};
 use spatial::{Inertia, Pose};
-use std::f64::consts::PI;
 use std::ops::Range;
 
 /// Cosine of the angle up to which a base's z axis counts as upright.
@@ -151,9 +151,7 @@ impl System {
         let Some(up) = up.try_normalize(1e-3).filter(|up| up.z < UPRIGHT) else {
             return Pose::identity();
         };
-        let turned = Rotation3::rotation_between(&Vector3::z(), &up)
-            .unwrap_or_else(|| Rotation3::from_axis_angle(&Vector3::x_axis(), PI));
-        Pose::from_parts(*turned.matrix(), Vector3::zeros())
+        Pose::from_parts(turn_onto(&Vector3::z(), &up), Vector3::zeros())
     }
 
     /// First velocity index of each floating body.
@@ -177,6 +175,7 @@ impl System {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::PI;
 
     #[test]
     fn a_base_that_is_built_on_its_side_is_upright_where_its_feet_are_below_it() {

@@ -431,9 +431,13 @@ impl Run<'_> {
                 break;
             }
         }
-        // Those that had no turn before it was too late.
+        // Those that had no turn.
         let accepted = |found: &Found| refine::refusal(&found.plan, settings).is_none();
-        let late = || Refined::Failed(format!("time limit of {} s", request.time_limit));
+        let without = || match request.refines() {
+            None => Refined::No,
+            Some(_) if self.is_stopped() => Refined::Failed("stopped by the caller".into()),
+            Some(_) => Refined::Failed(format!("time limit of {} s", request.time_limit)),
+        };
         for n in as_they_are.len()..self.diverse.len() {
             if !wanted || as_they_are.iter().any(accepted) {
                 break;
@@ -443,7 +447,7 @@ impl Run<'_> {
             let mut motion = self.shop.restore(&phases, kept.point.clone());
             motion.feasible = true;
             let labels = &kept.sequence.labels;
-            as_they_are.push(Found::of(planner.scene, labels, &mut motion, late()));
+            as_they_are.push(Found::of(planner.scene, labels, &mut motion, without()));
         }
         self.best_of(as_they_are)
     }

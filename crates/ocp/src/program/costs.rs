@@ -11,11 +11,11 @@ use crate::relative::{Body, Carrier, RelativeFrame};
 use crate::resting;
 use crate::settings::Preset;
 use crate::terms::{PoseTerm, approach::Approach, height::Height, tilt::Tilt};
+use crate::turn::turn_onto;
 use multibody::WeightedPoint;
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::Vector3;
 use scene::{Objective, Role};
 use spatial::Pose;
-use std::f64::consts::PI;
 use std::ops::Range;
 use symbolic::Contact;
 
@@ -347,7 +347,5 @@ impl Builder<'_> {
 
 /// A pose at the origin whose z axis is this direction.
 fn with_z_along(direction: &Vector3<f64>) -> Pose {
-    let turn = UnitQuaternion::rotation_between(&Vector3::z(), direction)
-        .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI));
-    Pose::from_parts(*turn.to_rotation_matrix().matrix(), Vector3::zeros())
+    Pose::from_parts(turn_onto(&Vector3::z(), direction), Vector3::zeros())
 }
