@@ -32,6 +32,9 @@ const ARMS_CLEAR: f64 = 0.03;
 const LEGS_CLEAR: f64 = 0.02;
 /// Joints of a hip.
 const HIP: usize = 3;
+/// What a wider stance must add to the distance of links, as a share of what it is wider: of hips, whose levers are short, and of others.
+const HIPS_GAIN: f64 = 0.03;
+const LEGS_GAIN: f64 = 0.3;
 /// By how much soles are put further apart than at rest, tried in this order [m].
 const WIDER: [f64; 4] = [0.0, 0.03, 0.06, 0.1];
 /// Soles that are nearer to each other at rest are put apart to this multiple of their half width.
@@ -118,7 +121,7 @@ pub(crate) struct Home {
     pub nearest: Option<(f64, usize, usize)>,
 }
 
-/// The first of the postures that keeps clear, or the one that does most; `scene` has the robot with its shapes and interfaces.
+/// The first of the postures that keep clear, or the one that does most; `scene` has the robot with its shapes and interfaces.
 pub(crate) fn home(
     bodies: &Bodies,
     posture: &Posture,
@@ -140,30 +143,34 @@ pub(crate) fn home(
         stance,
         hands: hands_at(WAYS[0]),
     };
-    let mut best: Option<(f64, Vec<f64>, f64)> = None;
+    let mut best: Option<Legs> = None;
     for wider in WIDER {
         wish.stance = stance + wider;
         let q = posture.solve(&wish).0;
         let of_legs = |pair: &_| !is_arms(pair) && !is_hip(pair);
-        let clear = clearance(scene, &q, &of_legs)?;
-        if best
-            .as_ref()
-            .is_none_or(|(most, ..)| clear > most + 0.3 * wider)
-        {
-            best = Some((clear, q, wish.stance));
+        let of_hips = |pair: &_| !is_arms(pair) && is_hip(pair);
+        let pairs = distances(scene, &q)?;
+        let legs = Legs {
+            clear: least(&pairs, &of_legs),
+            hips: least(&pairs, &of_hips),
+            q,
+            stance: wish.stance,
+        };
+        if best.as_ref().is_none_or(|best| legs.pays(best, wider)) {
+            best = Some(legs);
         }
-        if best.as_ref().is_some_and(|(most, ..)| *most >= LEGS_CLEAR) {
+        if best.as_ref().is_some_and(Legs::is_clear) {
             break;
         }
     }
-    let (_, mut q, stance) = best.expect("one was tried");
+    let Legs { mut q, stance, .. } = best.expect("one was tried");
     wish.stance = stance;
     if arms.is_some() {
         let mut most = f64::NEG_INFINITY;
         for way in WAYS {
             wish.hands = hands_at(way);
             let found = posture.solve(&wish).0;
-            let clear = clearance(scene, &found, &is_arms)?;
+            let clear = least(&distances(scene, &found)?, &is_arms);
             if clear > most {
                 (most, q) = (clear, found);
             }
@@ -177,15 +184,32 @@ pub(crate) fn home(
     Ok(Home { q, nearest })
 }
 
+/// A posture of the legs, and the least distances of other links than those of arms, of hips and of others [m].
+struct Legs {
+    clear: f64,
+    hips: f64,
+    q: Vec<f64>,
+    stance: f64,
+}
+
+impl Legs {
+    fn is_clear(&self) -> bool {
+        self.clear >= LEGS_CLEAR && self.hips >= 0.0
+    }
+
+    /// Is a stance so much wider than the narrowest worth it?
+    fn pays(&self, narrower: &Self, wider: f64) -> bool {
+        let hips = narrower.hips < 0.0
+            && self.hips > narrower.hips + HIPS_GAIN * (self.stance - narrower.stance)
+            && self.clear >= narrower.clear.min(LEGS_CLEAR);
+        self.clear > narrower.clear + LEGS_GAIN * wider || hips
+    }
+}
+
 /// The least distance of the pairs of links that count [m].
-fn clearance(
-    scene: &mut Scene,
-    q: &[f64],
-    counts: &dyn Fn(&(f64, usize, usize)) -> bool,
-) -> Result<f64, DraftError> {
-    let pairs = distances(scene, q)?;
+fn least(pairs: &[(f64, usize, usize)], counts: &dyn Fn(&(f64, usize, usize)) -> bool) -> f64 {
     let counted = pairs.iter().find(|pair| counts(pair));
-    Ok(counted.map_or(f64::INFINITY, |pair| pair.0))
+    counted.map_or(f64::INFINITY, |pair| pair.0)
 }
 
 /// Distances of links that keep out of one another, nearest first; the scene's home becomes this posture.

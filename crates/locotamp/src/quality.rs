@@ -427,30 +427,35 @@ fn landing(motion: &Motion) -> Option<f64> {
     )
 }
 
-/// Largest shares of friction and of the extent for the centre of pressure that patches of the robot use.
+/// Largest shares of friction that unilateral contacts use, and of the extent for the centre of pressure that patches of the robot use.
 fn contact_shares(scene: &Scene, motion: &Motion) -> (Option<f64>, Option<f64>) {
     let program = &motion.trajectory.program;
-    let weight = program.system.robot_mass * scene.gravity.norm();
     let (mut friction, mut pressure) = (None, None);
     let note = |of: &mut Option<f64>, share: f64| *of = Some(of.map_or(share, |s| s.max(share)));
     for (interval, wrenches) in program.intervals.iter().zip(&motion.point.wrenches) {
         for force in &interval.forces {
             let a = &scene.interfaces[force.contact.a.0];
             let b = &scene.interfaces[force.contact.b.0];
-            let robot = matches!(a.owner, scene::Owner::Robot { .. });
-            if force.contact.kind != ContactType::UnilateralPatch || !robot {
+            let mass = match a.owner {
+                scene::Owner::Robot { .. } => program.system.robot_mass,
+                scene::Owner::Object(o) => scene.objects[o].mass,
+                scene::Owner::Static(_) => continue,
+            };
+            let is_patch = force.contact.kind == ContactType::UnilateralPatch;
+            if !is_patch && force.contact.kind != ContactType::UnilateralPoint {
                 continue;
             }
             let wrench = ocp::physical_wrench(force, wrenches);
             let normal = -wrench[2];
-            if normal < LIGHT * weight {
+            if normal < LIGHT * mass * scene.gravity.norm() {
                 continue;
             }
             note(
                 &mut friction,
                 wrench[0].hypot(wrench[1]) / (a.mu.min(b.mu) * normal),
             );
-            if let Some([x, y]) = a.half_size {
+            let robot = matches!(a.owner, scene::Owner::Robot { .. });
+            if let Some([x, y]) = a.half_size.filter(|_| robot && is_patch) {
                 let share = (wrench[3].abs() / y).max(wrench[4].abs() / x) / normal;
                 note(&mut pressure, share);
             }

@@ -112,7 +112,7 @@ pub enum ModelError {
     BadInertia { joint: String, eigenvalue: f64 },
     /// A joint moves nothing that has mass.
     #[error(
-        "joint {joint:?} moves nothing that has mass; give link {link:?} an <inertial> or make the joint fixed"
+        "joint {joint:?} moves nothing that has mass; give link {link:?} an <inertial> with a mass above zero, or make the joint fixed"
     )]
     MissingInertia { joint: String, link: String },
     /// A list of joints that is no tree in the required order.

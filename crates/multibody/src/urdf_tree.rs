@@ -28,10 +28,12 @@ impl Model {
             frames: Vec::new(),
             notes: description.notes.clone(),
             locked: Vec::new(),
+            mimics: Vec::new(),
             unlimited: Vec::new(),
             unlimited_speed: Vec::new(),
         };
         walk.run(&description, &tree, root)?;
+        walk.notes.extend(mimics_note(&walk.mimics));
         walk.notes
             .extend(resistance_note(&description, &walk.joints));
         let mut model = Model::new(&description.name, walk.joints, walk.frames)
@@ -142,6 +144,8 @@ struct Walk {
     frames: Vec<Frame>,
     notes: Vec<String>,
     locked: Vec<(String, f64)>,
+    /// Joints that mimic another: how they are locked.
+    mimics: Vec<String>,
     /// Joints without a limit on their effort, and on their velocity.
     unlimited: Vec<String>,
     unlimited_speed: Vec<String>,
@@ -211,11 +215,16 @@ impl Walk {
         let Some((kind, lower, upper)) = motion_of(connection)? else {
             return Ok((visit.carrier, carrier_from_child));
         };
-        if let Some((position, reason)) = locked_at(connection, lower, upper) {
+        if let Some(position) = locked_at(connection, lower, upper) {
             let name = &connection.name;
-            self.notes.push(format!(
-                "joint {name:?} {reason} and is locked at {position}"
-            ));
+            match &connection.mimic {
+                Some(mimic) => self
+                    .mimics
+                    .push(format!("{name:?} (of {:?}) at {position}", mimic.joint)),
+                None => self.notes.push(format!(
+                    "joint {name:?} has a range of zero and is locked at {position}"
+                )),
+            }
             self.locked.push((name.clone(), position));
             return Ok((
                 visit.carrier,
@@ -337,21 +346,33 @@ fn motion_of(connection: &Connection) -> Result<Option<(JointKind, f64, f64)>, M
     Ok(Some((kind, lower, upper)))
 }
 
-/// Position and reason of a joint that cannot move on its own.
-fn locked_at(connection: &Connection, lower: f64, upper: f64) -> Option<(f64, String)> {
+/// Position of a joint that cannot move on its own.
+fn locked_at(connection: &Connection, lower: f64, upper: f64) -> Option<f64> {
     if let Some(mimic) = &connection.mimic {
         // the joint that it follows is at zero
-        let position = if mimic.offset.is_finite() {
-            mimic.offset
-        } else {
-            0.0
-        };
-        return Some((
-            position,
-            format!("mimics {:?}, which is not supported,", mimic.joint),
-        ));
+        return Some(
+            Some(mimic.offset)
+                .filter(|at| at.is_finite())
+                .unwrap_or(0.0),
+        );
     }
-    (lower == upper && lower.is_finite()).then(|| (lower, "has a range of zero".to_owned()))
+    (lower == upper && lower.is_finite()).then_some(lower)
+}
+
+/// How joints that mimic another are treated; the first few are named.
+fn mimics_note(mimics: &[String]) -> Option<String> {
+    const NAMED: usize = 4;
+    let more = match mimics.len().saturating_sub(NAMED) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    let named = &mimics[..mimics.len().min(NAMED)];
+    (!named.is_empty()).then(|| {
+        format!(
+            "joints that mimic another cannot move here and are locked: {}{more}",
+            named.join(", ")
+        )
+    })
 }
 
 /// What `<dynamics>` says of the moving joints, none of which is in the equations of motion.

@@ -1,7 +1,8 @@
 //! The tightest box or capsule around the corners of a mesh.
 //!
 //! Frames: `link`, that of the points; `shape`, centred in what is fitted. Candidates are boxes and capsules along given axes, those
-//! of a sole or a palm or else the link's, and along the principal axes of the points; the least volume wins. It contains all points; no side is optimal.
+//! of a sole or a palm or else the link's, and along the principal axes of the points; the least volume wins, of those that end where
+//! the points do along the normal of a sole or palm. It contains all points; no side is optimal.
 
 use crate::{PlacedShape, Shape};
 use nalgebra::{Matrix3, Vector2, Vector3};
@@ -19,32 +20,75 @@ const WORTH_TURNING: f64 = 0.95;
 /// Steps towards the centre of the smallest circle around points: its radius is then a few per cent too large at most.
 const CIRCLE_STEPS: u32 = 30;
 
-/// The box or capsule of least volume that was found around points, at least one, in their frame; along given axes (columns) or others.
-pub(crate) fn enclose(points: &[Vector3<f64>], link_from_axes: &Matrix3<f64>) -> PlacedShape {
-    let as_given = tightest(points, link_from_axes);
-    let turned = tightest(points, &principal_axes(points));
-    if volume(&turned.shape) < WORTH_TURNING * volume(&as_given.shape) {
+/// How far a shape may reach beyond the points along the normal of a patch [m]: it would be as deep in what the patch touches.
+const BEYOND_PATCH: f64 = 1e-3;
+
+/// The box or capsule of least volume that was found around points, at least one, in their frame; along the axes of the link's patch
+/// (columns, the third its normal) if it has one, or the link's, or others.
+pub(crate) fn enclose(points: &[Vector3<f64>], patch: Option<&Matrix3<f64>>) -> PlacedShape {
+    let given = patch.copied().unwrap_or_else(Matrix3::identity);
+    let bounds = enclosing_box(points, &given);
+    let normal = given.column(2).into_owned();
+    let end = reach(&bounds, &normal) + BEYOND_PATCH;
+    let fits = |placed: &PlacedShape| patch.is_none() || reach(placed, &normal) < end;
+    let round = round_along(points, &given, &bounds);
+    let as_given = smaller(bounds, round, fits);
+    let principal = principal_axes(points);
+    let turned = enclosing_box(points, &principal);
+    let turned_round = round_along(points, &principal, &turned);
+    let turned = if fits(&turned) {
+        smaller(turned, turned_round, fits)
+    } else {
+        turned_round
+    };
+    if fits(&turned) && volume(&turned.shape) < WORTH_TURNING * volume(&as_given.shape) {
         turned
     } else {
         as_given
     }
 }
 
-/// The smaller of box and capsule along given axes (columns, in the frame of the points).
-fn tightest(points: &[Vector3<f64>], link_from_axes: &Matrix3<f64>) -> PlacedShape {
-    let bounds = enclosing_box(points, link_from_axes);
-    let Shape::Box { half_size } = bounds.shape else {
-        return bounds;
+/// How far a shape reaches along a direction from the origin of its link [m].
+fn reach(placed: &PlacedShape, direction: &Vector3<f64>) -> f64 {
+    let pose = &placed.body_from_shape;
+    let along = pose.rotation().tr_mul(direction);
+    let from_centre = match &placed.shape {
+        Shape::Box { half_size } => along.abs().dot(half_size),
+        Shape::Sphere { radius } => *radius,
+        Shape::Capsule {
+            radius,
+            half_length,
+        } => radius + along.z.abs() * half_length,
+        Shape::HalfSpace => f64::INFINITY,
     };
-    let long = half_size.imax();
-    let axis = |k: usize| link_from_axes.column((long + k) % 3);
-    let along_z = Matrix3::from_columns(&[axis(1), axis(2), axis(0)]);
-    let round = enclosing_capsule(points, &along_z);
-    if volume(&round.shape) < volume(&bounds.shape) {
-        round
+    direction.dot(&pose.origin()) + from_centre
+}
+
+/// The first, or the second if it fits and is smaller.
+fn smaller(
+    first: PlacedShape,
+    second: PlacedShape,
+    fits: impl Fn(&PlacedShape) -> bool,
+) -> PlacedShape {
+    if fits(&second) && volume(&second.shape) < volume(&first.shape) {
+        second
     } else {
-        bounds
+        first
     }
+}
+
+/// The capsule along the longest of given axes, of a box along them.
+fn round_along(
+    points: &[Vector3<f64>],
+    link_from_axes: &Matrix3<f64>,
+    bounds: &PlacedShape,
+) -> PlacedShape {
+    let long = match bounds.shape {
+        Shape::Box { half_size } => half_size.imax(),
+        _ => 2,
+    };
+    let axis = |k: usize| link_from_axes.column((long + k) % 3);
+    enclosing_capsule(points, &Matrix3::from_columns(&[axis(1), axis(2), axis(0)]))
 }
 
 /// Volume [m³]; infinite for a half-space.
@@ -203,7 +247,7 @@ mod tests {
     #[test]
     fn the_corners_of_a_turned_box_give_that_box() {
         let half = [0.2, 0.05, 0.1];
-        let fitted = enclose(&corners(&turned(), half), &Matrix3::identity());
+        let fitted = enclose(&corners(&turned(), half), None);
         let Shape::Box { half_size } = &fitted.shape else {
             panic!("{fitted:?}");
         };
@@ -218,7 +262,7 @@ mod tests {
     #[test]
     fn a_box_along_the_axes_of_the_link_stays_there() {
         let place = Pose::from_parts(Matrix3::identity(), Vector3::new(0.0, 0.1, 0.2));
-        let fitted = enclose(&corners(&place, [0.1, 0.06, 0.08]), &Matrix3::identity());
+        let fitted = enclose(&corners(&place, [0.1, 0.06, 0.08]), None);
         assert_eq!(*fitted.body_from_shape.rotation(), Matrix3::identity());
     }
 
@@ -236,8 +280,8 @@ mod tests {
         let points: Vec<_> = (boot.iter())
             .flat_map(|&(x, z)| [-0.04, 0.04].map(|y| sole * Vector3::new(x, y, z)))
             .collect();
-        let lowest = |axes: &Matrix3<f64>| {
-            let fitted = enclose(&points, axes);
+        let lowest = |patch: Option<&Matrix3<f64>>| {
+            let fitted = enclose(&points, patch);
             let Shape::Box { half_size } = fitted.shape else {
                 panic!("{fitted:?}");
             };
@@ -245,8 +289,30 @@ mod tests {
             let corners = corners(&Pose::identity(), half_size.into());
             corners.iter().map(down).fold(f64::NEG_INFINITY, f64::max)
         };
-        assert!(lowest(&sole) < 1e-5, "{}", lowest(&sole));
-        assert!(lowest(&Matrix3::identity()) > 0.01);
+        assert!(lowest(Some(&sole)) < 1e-5, "{}", lowest(Some(&sole)));
+        assert!(lowest(None) > 0.01);
+    }
+
+    #[test]
+    fn nothing_around_a_sloping_toe_reaches_below_its_sole() {
+        // flat below, sloping above: a box along the slope is smaller and goes through the sole
+        let sole = Matrix3::from_columns(&[Vector3::x(), -Vector3::y(), -Vector3::z()]);
+        let toe = [
+            (0.06, 0.0),
+            (0.0, 0.0),
+            (-0.06, 0.04),
+            (-0.06, 0.06),
+            (0.06, 0.01),
+            (0.0, 0.035),
+        ];
+        let points: Vec<_> = (toe.iter())
+            .flat_map(|&(x, z)| [-0.04, 0.04].map(|y| Vector3::new(x, y, z)))
+            .collect();
+        let depth = |patch| reach(&enclose(&points, patch), &-Vector3::z());
+        assert!(depth(Some(&sole)) < BEYOND_PATCH, "{}", depth(Some(&sole)));
+        let loose = enclose(&points, None);
+        let held = enclose(&points, Some(&sole));
+        assert!(volume(&loose.shape) < volume(&held.shape) && depth(None) > 0.005);
     }
 
     #[test]
@@ -258,7 +324,7 @@ mod tests {
         let Shape::Capsule {
             radius,
             half_length,
-        } = enclose(&points, &Matrix3::identity()).shape
+        } = enclose(&points, None).shape
         else {
             panic!("no capsule");
         };
@@ -275,8 +341,11 @@ mod tests {
                 .map(|i| Vector3::new(number(3 * i), number(3 * i + 1), number(3 * i + 2)))
                 .map(|p| p.component_mul(&size))
                 .collect();
-            let fitted = enclose(&points, &Matrix3::identity());
-            assert!(points.iter().all(|p| contains(&fitted, p)), "seed {seed}");
+            let sole = *turned().rotation();
+            for patch in [None, Some(&sole)] {
+                let fitted = enclose(&points, patch);
+                assert!(points.iter().all(|p| contains(&fitted, p)), "seed {seed}");
+            }
         }
     }
 
@@ -286,7 +355,7 @@ mod tests {
             .map(|(x, y)| Vector3::new(x, y, 0.0))
             .into();
         for points in [&plane[..], &plane[..2], &plane[..1]] {
-            let fitted = enclose(points, &Matrix3::identity());
+            let fitted = enclose(points, None);
             assert!(volume(&fitted.shape) > 0.0 && volume(&fitted.shape).is_finite());
             assert!(points.iter().all(|p| contains(&fitted, p)));
         }

@@ -134,8 +134,7 @@ fn read_parts(
     missing: &mut Missing,
 ) -> Vec<Part> {
     let named = |(of, _): &&Axes| link.attribute("name") == Some(of);
-    let link_from_axes =
-        (axes.iter().find(named)).map_or_else(Matrix3::identity, |(_, axes)| *axes);
+    let patch = axes.iter().find(named).map(|(_, axes)| axes);
     let geometry =
         |node: Node, tag: &str| child(node, "geometry").is_some_and(|g| child(g, tag).is_some());
     let spheres = children(link, "collision").all(|node| geometry(node, "sphere"));
@@ -153,7 +152,7 @@ fn read_parts(
         match triangles {
             Ok(triangles) => parts.push(Part {
                 element: node.has_tag_name("collision").then(|| node.range()),
-                shapes: fit(&triangles, &link_from_axes),
+                shapes: fit(&triangles, patch),
                 triangles,
             }),
             Err(what) => {

@@ -18,6 +18,8 @@ const LONGEST_LEVER: f64 = 1.0;
 const MANY: usize = 10;
 /// Share by which the inertia about an axis may exceed that about the other two: what rounding does to a rod's.
 const PLAY: f64 = 0.01;
+/// Joints of a leg with which a sole stays where it is however the base moves.
+const WHOLE_LEG: usize = 6;
 
 impl Scene {
     /// What is unusual or left out: of the robot's description, and whether the robot can stand as it starts.
@@ -42,6 +44,7 @@ impl Scene {
             notes.extend(self.beyond_plane(interface));
         }
         notes.extend(self.stretched());
+        notes.extend(self.short_legs());
         if let Some(beyond) = self.beyond_soles().filter(|beyond| *beyond > LEAST) {
             notes.push(format!(
                 "at the start the centre of mass is {:.0} mm outside the soles: the robot cannot stand like that, only fall or \
@@ -62,6 +65,30 @@ impl Scene {
             "in the home posture all joints are at zero, or at the limit nearest to it: if knees are straight there, plans keep them so, \
              at the edge of what legs can do; [home] of the robot file gives one, with the knees bent"
                 .to_owned()
+        })
+    }
+
+    /// Soles on legs of a whole robot that have too few joints.
+    fn short_legs(&self) -> Option<String> {
+        let model = &self.robot.model;
+        let joints_to = |interface: &Interface| {
+            let Owner::Robot { frame } = interface.owner else {
+                return usize::MAX;
+            };
+            let up = |joint: &usize| model.joints[*joint].parent;
+            let with_base = std::iter::successors(model.frames[frame].joint, up).count();
+            with_base.saturating_sub(1)
+        };
+        let is_sole = |i: &&Interface| i.role == Role::Foot && i.half_size.is_some();
+        let mut soles = self.interfaces.iter().filter(is_sole);
+        let sole = soles.find(|sole| joints_to(sole) < WHOLE_LEG)?;
+        let (name, joints) = (&sole.name, joints_to(sole));
+        (model.joints.len() > MANY).then(|| {
+            format!(
+                "{joints} joints lead from the base to the sole of {name:?}: it takes {WHOLE_LEG} to keep a sole flat however the base \
+                 moves. With fewer the robot shifts its weight from foot to foot hardly at all while both are flat, and steps, which \
+                 begin with that here, are found seldom"
+            )
         })
     }
 
@@ -400,6 +427,21 @@ mod tests {
         ] {
             assert!(note.contains(part), "{note}");
         }
+    }
+
+    #[test]
+    fn legs_without_enough_joints_for_flat_soles_are_told() {
+        let mut scene = Scene::builtin("side-step").unwrap();
+        assert_eq!(scene.notes(), Vec::<String>::new());
+        let model = &mut scene.robot.model;
+        let roll = |joint: &Joint| joint.name == "left_ankle_roll_joint";
+        let at = model.joints.iter().position(roll).unwrap();
+        let above = model.joints[at].parent;
+        let of_foot = model.frames.iter_mut().filter(|f| f.joint == Some(at));
+        of_foot.for_each(|frame| frame.joint = above);
+        let notes = scene.notes();
+        let told = |note: &&String| note.starts_with("5 joints lead") && note.contains("left_foot");
+        assert_eq!(notes.iter().filter(told).count(), 1, "{notes:?}");
     }
 
     #[test]

@@ -18,11 +18,11 @@ const LONG: f64 = 0.06;
 /// A further piece must leave less than this share of the volume: each costs rows of clearance.
 const WORTH_A_PIECE: f64 = 0.75;
 
-/// One to three primitives that together contain the triangles, at least one, along given axes (columns) or others.
-pub(crate) fn fit(triangles: &[Triangle], link_from_axes: &Matrix3<f64>) -> Vec<PlacedShape> {
+/// One to three primitives that together contain the triangles, at least one; with the axes of the link's patch as for [`enclose`].
+pub(crate) fn fit(triangles: &[Triangle], patch: Option<&Matrix3<f64>>) -> Vec<PlacedShape> {
     let mut points: Vec<Vector3<f64>> = triangles.iter().flatten().copied().collect();
     weld(&mut points);
-    let whole = enclose(&points, link_from_axes);
+    let whole = enclose(&points, patch);
     let (direction, half) = longest(&whole);
     if half < LONG {
         return vec![whole];
@@ -31,7 +31,7 @@ pub(crate) fn fit(triangles: &[Triangle], link_from_axes: &Matrix3<f64>) -> Vec<
     let cut = |i: usize| middle + half * (2.0 * i as f64 / PLACES as f64 - 1.0);
     let slab = |i: usize, j: usize| {
         let points = between(triangles, &direction, [cut(i), cut(j)]);
-        (!points.is_empty()).then(|| enclose(&points, link_from_axes))
+        (!points.is_empty()).then(|| enclose(&points, patch))
     };
     let slabs: Vec<Vec<Option<PlacedShape>>> = (0..PLACES)
         .map(|i| (i + 1..=PLACES).map(|j| slab(i, j)).collect())
@@ -154,16 +154,13 @@ mod tests {
     fn a_boot_becomes_a_shaft_and_a_foot_and_all_of_it_is_inside() {
         let mut boot = block([-0.05, -0.05, 0.0], [0.05, 0.05, 0.5]);
         boot.extend(block([-0.05, -0.05, -0.1], [0.25, 0.05, 0.0]));
-        let shapes = fit(&boot, &Matrix3::identity());
+        let shapes = fit(&boot, None);
         assert_eq!(shapes.len(), 2, "{shapes:?}");
         assert!(boot.iter().all(|triangle| holds(&shapes, triangle)));
     }
 
     #[test]
     fn a_beam_stays_whole() {
-        assert_eq!(
-            fit(&block([0.0; 3], [0.5, 0.1, 0.1]), &Matrix3::identity()).len(),
-            1
-        );
+        assert_eq!(fit(&block([0.0; 3], [0.5, 0.1, 0.1]), None).len(), 1);
     }
 }

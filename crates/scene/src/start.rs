@@ -247,13 +247,17 @@ impl World<'_> {
             .filter_map(|asked| self.height_above(asked.contact.a, asked.contact.b))
             .map(|height| -height)
             .reduce(f64::max);
-        match lift {
-            Some(lift) => Ok((asked, lift)),
-            None => Err(self.no_ground(
-                base_span,
-                "the height of the base is not given and no foot is on an upward surface",
-            )),
+        if let Some(lift) = lift {
+            return Ok((asked, lift));
         }
+        let mut feet = self.draft.interfaces.iter();
+        let why = if feet.any(|i| i.role == Role::Foot) {
+            "no foot is on an upward surface"
+        } else {
+            "the robot file has no [[interface]] with role = \"foot\""
+        };
+        let reason = format!("the height of the base is not given and {why}");
+        Err(self.no_ground(base_span, &reason))
     }
 
     /// Every foot on the surface below it.

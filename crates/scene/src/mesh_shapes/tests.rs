@@ -130,10 +130,7 @@ fn what_is_fitted_survives_the_text_with_all_corners_inside() {
                 place.act(Vector3::from_row_slice(&numbers))
             })
             .collect();
-        let text = robot(&element(&crate::fit::enclose(
-            &corners,
-            &Matrix3::identity(),
-        )));
+        let text = robot(&element(&crate::fit::enclose(&corners, None)));
         let model = Model::from_urdf(&text, Root::Floating).unwrap();
         let read = &model.frames[0].shapes[0];
         let multibody::Shape::Box { half_size } = read.shape else {
