@@ -254,7 +254,7 @@ impl World<'_> {
         let why = if feet.any(|i| i.role == Role::Foot) {
             "no foot is on an upward surface"
         } else {
-            "the robot file has no [[interface]] with role = \"foot\""
+            "the robot has no interface with role = \"foot\""
         };
         let reason = format!("the height of the base is not given and {why}");
         Err(self.no_ground(base_span, &reason))

@@ -290,6 +290,19 @@ fn a_robot_without_interfaces_is_refused() {
 }
 
 #[test]
+fn a_robot_without_feet_is_told_that_it_has_none() {
+    let robot = ROBOT.replace("role = \"foot\"", "role = \"hand\"");
+    let urdf = urdf();
+    let files = [
+        ("scene.toml", SCENE),
+        ("robot.toml", robot.as_str()),
+        ("robot.urdf", urdf.as_str()),
+    ];
+    let message = load_from_folder(&files).unwrap_err().to_string();
+    assert!(message.contains("no interface with role"), "{message}");
+}
+
+#[test]
 fn missing_files_are_named() {
     let message = Scene::load("no/such/scene.toml").unwrap_err().to_string();
     assert!(

@@ -6,19 +6,16 @@
 //! a hip, may overlap by less than shapes stick out of meshes. Of a capsule that is joined its elements are looked at, the
 //! cylinder and the balls at its ends, as they are written in URDFs.
 
-use std::sync::Arc;
-
 use super::cover::{cover, parts};
 use super::edges;
-use super::pairs::{At, BLUR, NEAR, Place, Said, Says, value};
+use super::pairs::{At, BLUR, NEAR, Place, Says};
+use super::self_pair::{SelfPair, from_link};
 use super::shared::Shared;
 use super::{Ball, CollisionModel, Pair, Part};
 use crate::program::{Grid, Program};
 use crate::system::System;
-use crate::terms::PoseTerm;
-use crate::terms::distance::{Distance, Obstacle, bounding_ball};
+use crate::terms::distance::Obstacle;
 use multibody::{Kinematics, Model};
-use nalgebra::Vector3;
 use scene::{Scene, Shape};
 use spatial::Pose;
 
@@ -26,18 +23,6 @@ use spatial::Pose;
 const LIMB: usize = 4;
 /// Distance from which on two such links of different limbs get a row [m].
 const NEAR_LIMBS: f64 = 0.35;
-/// Distance at rest from which on links are so close that less can be demanded than edges stick out of the balls that cover boxes [m].
-const CLOSE: f64 = 0.015;
-/// Distance of neighbouring points on an edge [m].
-const EDGE_STEP: f64 = 0.04;
-/// Shapes of links three joints apart that are nearer than this at rest may overlap by [`PLAY`]: boxes around the meshes of a hip touch
-/// however the leg moves [m].
-const ALL_BUT_TOUCH: f64 = 0.005;
-/// By how much they may [m].
-const PLAY: f64 = 0.0005;
-/// By how much less than at rest is demanded of two links [m].
-const AT_REST: f64 = 0.0005;
-
 /// One shape of a link: the balls that cover it and the parts that it is.
 #[derive(Debug, Clone, Default)]
 pub(super) struct LinkShape {
@@ -82,28 +67,8 @@ impl LinkShape {
     }
 }
 
-/// Shapes of two links that must not touch: balls of one and parts of the other.
-#[derive(Debug, Clone)]
-pub(super) struct SelfPair {
-    pub a: usize,
-    pub b: usize,
-    pub balls: Vec<Ball>,
-    pub parts: Vec<Part>,
-    /// A ball around the balls.
-    bound: Ball,
-    /// Their distance in the home posture, and the least of that and at the start [m]; negative: a depth.
-    pub at_home: f64,
-    at_rest: f64,
-    /// What their row says in the home posture or at the start, the less of both [m].
-    row_at_rest: f64,
-    /// Distance from which on they get a row [m].
-    near: f64,
-    /// Are the links three joints apart.
-    beside: bool,
-}
-
 /// Postures that tell which links can come near one another: home, start, all joints at zero.
-struct Postures([Kinematics; 3]);
+pub(super) struct Postures(pub [Kinematics; 3]);
 
 impl Postures {
     fn new(scene: &Scene, system: &System) -> Self {
@@ -131,24 +96,6 @@ impl Postures {
         };
         in_posture(home) && in_posture(zero)
     }
-}
-
-/// Points on the edges of boxes, in the frame of their link.
-fn edge_points(parts: &[Part]) -> impl Iterator<Item = Ball> + '_ {
-    parts.iter().flat_map(|part| {
-        let Part::Box(box_from_link, half) = part else {
-            return vec![];
-        };
-        let link_from_box = box_from_link.inverse();
-        let points = edges::along_edges(half, EDGE_STEP, (Vector3::zeros(), f64::INFINITY));
-        let ball = |p: Vector3<f64>| (link_from_box.act(p), edges::POINT);
-        points.into_iter().map(ball).collect()
-    })
-}
-
-/// Pose of one link in the frame of another.
-fn from_link(kinematics: &Kinematics, a: usize, b: usize) -> Pose {
-    kinematics.world_from_joint[b].inverse() * kinematics.world_from_joint[a]
 }
 
 /// Do two parts overlap, as they are.
@@ -269,158 +216,6 @@ fn steps_apart(model: &Model, a: usize, b: usize) -> Option<(usize, usize)> {
     path(a)
         .enumerate()
         .find_map(|(up_a, common)| Some((up_a, path(b).position(|j| j == common)?)))
-}
-
-impl SelfPair {
-    fn new(
-        postures: &Postures,
-        (a, own): (usize, LinkShape),
-        (b, parts): (usize, Vec<Part>),
-        (near, beside): (f64, bool),
-    ) -> Self {
-        let mut out = Self {
-            a,
-            b,
-            bound: bounding_ball(&own.balls),
-            balls: own.balls.clone(),
-            parts,
-            at_home: f64::NAN,
-            at_rest: f64::NAN,
-            row_at_rest: f64::NAN,
-            near,
-            beside,
-        };
-        out.rest(postures);
-        if out.at_rest < CLOSE {
-            out.cover_edges(&own.parts);
-            out.rest(postures);
-        }
-        out
-    }
-
-    /// Finds distance and row at rest.
-    fn rest(&mut self, postures: &Postures) {
-        let [home, start, _] = &postures.0;
-        self.at_home = self.distance(home);
-        self.at_rest = self.at_home.min(self.distance(start));
-        self.row_at_rest = self.row_says(home).min(self.row_says(start));
-    }
-
-    /// Covers edges of boxes too, which stick out of their balls by up to 15 mm.
-    fn cover_edges(&mut self, own: &[Part]) {
-        let of_b = edge_points(&self.parts);
-        let points = of_b.map(|(centre, radius)| Part::Ball(centre, radius));
-        let points: Vec<Part> = points.collect();
-        self.parts.extend(points);
-        self.balls.extend(edge_points(own));
-        self.bound = bounding_ball(&self.balls);
-    }
-
-    /// Least distance of the shapes, or minus their depth [m].
-    /// True of shapes that do not overlap for sure, more than in the home posture or not.
-    pub fn is_far(&self, kinematics: &Kinematics) -> bool {
-        let (centre, radius) = self.bound;
-        let p = from_link(kinematics, self.a, self.b).act(centre);
-        let near = |part: &Part| part.rough_distance(&p) <= radius + super::FAR;
-        !self.parts.iter().any(near)
-    }
-
-    fn distance(&self, kinematics: &Kinematics) -> f64 {
-        let b_from_a = from_link(kinematics, self.a, self.b);
-        let mut least = f64::INFINITY;
-        for (centre, radius) in &self.balls {
-            let p = b_from_a.act(*centre);
-            for part in &self.parts {
-                least = least.min(part.rough_distance(&p) - radius);
-            }
-        }
-        least
-    }
-
-    /// By how much the shapes are apart, or less deep in one another than they may be [m].
-    pub fn beyond_home(&self, kinematics: &Kinematics) -> f64 {
-        self.distance(kinematics) - self.at_home.min(0.0)
-    }
-
-    /// What the row of the pair says in a configuration [m]: up to a few centimetres less than the distance where flat faces lie
-    /// opposite, since there many balls are equally near; infinite far away.
-    pub fn row_says(&self, kinematics: &Kinematics) -> f64 {
-        let (balls, parts) = self.near(&[kinematics]);
-        if balls.is_empty() {
-            return f64::INFINITY;
-        }
-        let row = Distance::new(balls, Obstacle::Parts(parts), Pose::identity(), 0.0);
-        value(&row, &from_link(kinematics, self.a, self.b))
-    }
-
-    /// The same, and by how much it is less than the distance.
-    fn says(&self, kinematics: &Kinematics) -> Said {
-        let row = self.row_says(kinematics);
-        let less = (self.distance(kinematics) - row).max(0.0);
-        Said { row, less }
-    }
-
-    /// Distance that can be demanded of the shapes, `wish` if it leaves the robot room: half of that in the home posture, no more
-    /// than at rest.
-    fn distance_demanded(&self, wish: f64) -> f64 {
-        if self.beside && self.at_rest < ALL_BUT_TOUCH {
-            return wish.min(-PLAY).min(self.at_rest - AT_REST);
-        }
-        let half = 0.5 * (self.at_home - BLUR).max(0.0);
-        wish.min(half).min(self.at_rest - AT_REST)
-    }
-
-    /// What can be demanded of the row in any configuration, where it may say less than the distance.
-    pub fn clearance(&self, wish: f64) -> f64 {
-        self.distance_demanded(wish).min(self.row_at_rest - AT_REST)
-    }
-
-    /// What can be demanded of the row near a configuration: where it says less than the distance at rest, at least that the shapes
-    /// keep out of one another.
-    fn clearance_near(&self, wish: f64, here: &Kinematics) -> f64 {
-        let (apart, anywhere) = (self.distance_demanded(wish.min(0.0)), self.clearance(wish));
-        if anywhere >= apart {
-            return anywhere;
-        }
-        anywhere.max(apart - self.says(here).less)
-    }
-
-    /// Balls and parts that come near one another in any of the configurations.
-    fn near(&self, window: &[&Kinematics]) -> (Vec<Ball>, Vec<Part>) {
-        let poses: Vec<Pose> = (window.iter())
-            .map(|k| from_link(k, self.a, self.b))
-            .collect();
-        let near = |(centre, radius): &Ball, part: &Part| {
-            let mut points = poses.iter().map(|x| x.act(*centre));
-            points.any(|p| part.rough_distance(&p) - radius < self.near)
-        };
-        let parts = self.parts.iter();
-        let parts: Vec<Part> = parts
-            .filter(|part| near(&self.bound, part))
-            .cloned()
-            .collect();
-        let balls = self.balls.iter();
-        let balls = balls.filter(|ball| parts.iter().any(|part| near(ball, part)));
-        (balls.copied().collect(), parts)
-    }
-
-    /// The row of the shapes, if they come near one another in any of the configurations.
-    pub fn row(
-        &self,
-        index: usize,
-        window: &[&Kinematics],
-        demanded: &dyn Fn(Says<'_>) -> f64,
-        shared: &mut Shared,
-    ) -> Option<Arc<dyn PoseTerm>> {
-        let (balls, parts) = self.near(window);
-        if balls.is_empty() {
-            return None;
-        }
-        let clearance = demanded(&|k| self.says(k));
-        let shapes = (balls, Obstacle::Parts(parts));
-        let row = shared.row((index, None), shapes, Pose::identity(), clearance);
-        Some(Arc::new(row))
-    }
 }
 
 impl CollisionModel {

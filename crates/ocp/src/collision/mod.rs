@@ -11,6 +11,7 @@ mod pairs;
 mod passages;
 #[cfg(test)]
 pub(crate) mod samples;
+mod self_pair;
 mod shared;
 mod touches;
 mod watch;
@@ -19,9 +20,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 pub(crate) use cover::corners;
 use cover::parts;
-use links::{LinkShape, SelfPair};
+use links::LinkShape;
 pub use pairs::{Pair, Place};
 pub use passages::{Crossing, Crossings};
+use self_pair::SelfPair;
 pub use watch::Watched;
 
 use crate::program::{Grid, Phase, Program};

@@ -1,5 +1,7 @@
 use super::super::samples::scene;
+use super::super::self_pair::{AT_REST, PLAY};
 use super::*;
+use nalgebra::Vector3;
 
 /// Joints of the G1, more than two apart.
 const HAND: &str = "left_wrist_yaw_joint";
@@ -169,4 +171,41 @@ fn links_so_close_that_no_row_says_so_keep_out_of_one_another_near_a_configurati
     assert!(demanded > pair.clearance(0.015) + 1e-3, "{demanded}");
     let apart = pair.row_says(&here) - demanded;
     assert!((apart - distance).abs() < 1e-9, "{apart} {distance}");
+}
+
+#[test]
+fn edges_that_cross_between_their_points_are_as_deep_as_they_are() {
+    // two roof ridges, one upside down across the other
+    let half = 0.1;
+    let cube = || Shape::Box {
+        half_size: Vector3::repeat(half),
+    };
+    let eighth = std::f64::consts::FRAC_PI_4;
+    let turned = |axis: Vector3<f64>, z: f64| {
+        Pose::from_parts(
+            spatial::exp_so3(&(axis * eighth)),
+            Vector3::new(0.0, 0.0, z),
+        )
+    };
+    let above = |gap: f64| {
+        let ridge = 2.0_f64.sqrt() * half;
+        let hand = [(turned(Vector3::x(), 1.0), cube())];
+        let thigh = [(turned(Vector3::y(), 1.0 + 2.0 * ridge + gap), cube())];
+        let pairs = pairs_of(&hand, &thigh);
+        let [pair] = &pairs[..] else {
+            panic!("{pairs:?}");
+        };
+        let scene = scene("");
+        let system = System::new(&scene).unwrap();
+        let says = pair.row_says(&Postures::new(&scene, &system).0[0]);
+        (pair.at_home, says)
+    };
+    let depth = 0.004;
+    let (at_home, says) = above(-depth);
+    // the faces are at 45 degrees to what crosses them
+    let normal = depth / 2.0_f64.sqrt();
+    assert!(at_home < 5e-4 - normal, "{at_home}");
+    assert!(at_home > -normal - 3e-3, "balls bulge: {at_home}");
+    assert!(says < at_home + 1e-9, "{says} {at_home}");
+    assert!(above(depth).0 > 0.0);
 }
