@@ -28,6 +28,9 @@ pub(super) const PLAY: f64 = 0.0005;
 /// By how much less than at rest is demanded of two links [m].
 pub(super) const AT_REST: f64 = 0.0005;
 
+/// Points with their distances from something [m].
+type Nearest = Vec<(f64, Ball)>;
+
 /// Shapes of two links that must not touch: balls of one and parts of the other.
 #[derive(Debug, Clone)]
 pub(super) struct SelfPair {
@@ -119,16 +122,16 @@ impl SelfPair {
                 least = least.min(part.rough_distance(&p) - radius);
             }
         }
-        let (of_a, of_b) = self.edges(&b_from_a, least);
+        let [of_a, of_b] = self.edges(&b_from_a, least);
         let edges = of_a.iter().chain(&of_b).map(|(distance, _)| *distance);
         edges.fold(least, f64::min)
     }
 
     /// The points of edges of both links that are nearer to a box of the other one than so much, with their distances, in the frames
     /// of the links.
-    fn edges(&self, b_from_a: &Pose, below: f64) -> (Vec<(f64, Ball)>, Vec<(f64, Ball)>) {
+    fn edges(&self, b_from_a: &Pose, below: f64) -> [Nearest; 2] {
         let (mut of_a, mut of_b) = (vec![], vec![]);
-        let add = |out: &mut Vec<(f64, Ball)>, of: &Part, to: &Part, to_from_of: &Pose| {
+        let add = |out: &mut Nearest, of: &Part, to: &Part, to_from_of: &Pose| {
             let (Part::Box(own_from_link, half), Part::Box(other_from_link, other)) = (of, to)
             else {
                 return;
@@ -146,7 +149,7 @@ impl SelfPair {
                 add(&mut of_b, other, own, &a_from_b);
             }
         }
-        (of_a, of_b)
+        [of_a, of_b]
     }
 
     /// By how much the shapes are apart, or less deep in one another than they may be [m].
@@ -216,7 +219,7 @@ impl SelfPair {
         let (mut balls, mut parts): (Vec<Ball>, _) = (balls.copied().collect(), parts);
         // points of edges that are inside stand for those of fixed places around them: more of them would make the row say less
         for pose in &poses {
-            let (of_a, of_b) = self.edges(pose, 0.0);
+            let [of_a, of_b] = self.edges(pose, 0.0);
             for (_, point) in of_a {
                 balls.retain(|ball| !is_around(&point, ball));
                 balls.push(point);
