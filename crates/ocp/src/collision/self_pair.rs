@@ -18,6 +18,8 @@ use spatial::Pose;
 
 /// Distance at rest from which on links are so close that less can be demanded than edges stick out of the balls that cover boxes [m].
 const CLOSE: f64 = 0.015;
+/// Distance from which on shapes of such links get a say in their row [m]: with the points along edges there are many.
+const NEAR_CLOSE: f64 = 0.08;
 /// Distance of neighbouring points on an edge [m].
 const EDGE_STEP: f64 = 0.04;
 /// Shapes of links three joints apart that are nearer than this at rest may overlap by [`PLAY`]: boxes around the meshes of a hip touch
@@ -76,6 +78,7 @@ impl SelfPair {
         out.rest(postures);
         let mut covered = out.clone();
         covered.cover_edges(&own.parts);
+        covered.near = covered.near.min(NEAR_CLOSE);
         covered.rest(postures);
         if covered.at_rest < CLOSE {
             covered
