@@ -48,8 +48,8 @@ pub fn to_urdf(path: &Path) -> Result<Converted, MjcfError> {
     let mut notes = vec![];
     let robot = robot::find(&model, &mut notes)?;
     let ranges = force_ranges::read(&text);
-    let limits = limits::Limits::new(&model, ranges, &mut notes);
     let home = home::home(&model, &robot);
+    let limits = limits::Limits::new(&model, ranges, &home, &mut notes);
     let urdf = urdf::write(&model, &robot, limits, &mut notes)?;
     Ok(Converted { urdf, home, notes })
 }

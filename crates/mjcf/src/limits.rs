@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 
 /// Speed limit of hinges [rad/s] and slides [m/s]: MJCF knows none.
 const SPEED: (f64, f64) = (10.0, 1.0);
-/// Torque [N·m] or force [N] of an actuator without a limit.
+/// Torque [N·m] or force [N] of an actuator without a limit, and of every joint of a model that has no actuators.
 const UNLIMITED: f64 = 1000.0;
 /// Range of a hinge without one [rad], and of a slide [m].
 const FREE: (f64, f64) = (TAU, 10.0);
@@ -28,12 +28,19 @@ pub struct Limits {
     efforts: BTreeMap<String, f64>,
     unlimited: Vec<String>,
     without_actuator: Vec<String>,
+    /// Where joints are that nothing drives, if it is not zero [rad or m].
+    home: BTreeMap<String, f64>,
     without_range: Vec<String>,
 }
 
 impl Limits {
-    /// From the model's actuators, and the force ranges of its joints.
-    pub fn new(model: &Model, ranges: ForceRanges, notes: &mut Vec<String>) -> Self {
+    /// From the model's actuators, the force ranges of its joints, and the posture of its keyframe.
+    pub fn new(
+        model: &Model,
+        ranges: ForceRanges,
+        home: &[(String, f64)],
+        notes: &mut Vec<String>,
+    ) -> Self {
         let autolimits = model.compiler.autolimits;
         let mut efforts: BTreeMap<String, f64> = BTreeMap::new();
         let mut unlimited = vec![];
@@ -53,6 +60,11 @@ impl Limits {
             *effort = UNLIMITED;
             unlimited.push(joint.clone());
         }
+        if efforts.is_empty() {
+            notes.push(format!(
+                "the model has no actuators: {UNLIMITED} N·m, or N, are assumed for every joint"
+            ));
+        }
         notes.push(format!(
             "MJCF gives no limits of speed: {} rad/s for hinges and {} m/s for slides are assumed",
             SPEED.0, SPEED.1
@@ -62,6 +74,7 @@ impl Limits {
             efforts,
             unlimited,
             without_actuator: vec![],
+            home: home.iter().cloned().collect(),
             without_range: vec![],
         }
     }
@@ -77,13 +90,23 @@ impl Limits {
         let limited = joint
             .limited
             .resolve(self.autolimits, joint.range.is_some());
+        let effort = if self.efforts.is_empty() {
+            Some(UNLIMITED)
+        } else {
+            self.efforts.get(name).copied()
+        };
+        let Some(effort) = effort else {
+            self.without_actuator.push(name.to_owned());
+            let at = self.home.get(name).copied().unwrap_or(joint.ref_);
+            return Limit {
+                range: [at, at],
+                effort: UNLIMITED,
+                velocity,
+            };
+        };
         let range = joint.range.filter(|_| limited).unwrap_or_else(|| {
             self.without_range.push(name.to_owned());
             [-free, free]
-        });
-        let effort = self.efforts.get(name).copied().unwrap_or_else(|| {
-            self.without_actuator.push(name.to_owned());
-            0.0
         });
         Limit {
             range,
@@ -100,7 +123,7 @@ impl Limits {
         let all = [
             say(
                 self.without_actuator,
-                "joints without actuator, which have no torque",
+                "joints without actuator, which nothing moves here",
             ),
             say(
                 self.unlimited,

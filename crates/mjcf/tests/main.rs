@@ -131,9 +131,39 @@ fn meshes_are_named_from_the_folder_of_the_file() {
     let mesh = r#"<mesh filename="parts/hand.stl" scale="0.001 0.001 0.001"/>"#;
     assert!(converted.urdf.contains(mesh), "{}", converted.urdf);
     let notes = converted.notes.join("\n");
-    assert!(notes.contains("without actuator"), "{notes}");
+    assert!(notes.contains("no actuators: 1000 N·m"), "{notes}");
     assert!(notes.contains("joints without range"), "{notes}");
     assert!(converted.home.is_empty());
+}
+
+#[test]
+fn joints_that_nothing_drives_stay_where_the_keyframe_has_them() {
+    let body = |name: &str, child: &str| {
+        format!(
+            r#"<body name="{name}"><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/><joint name="of_{name}" range="-60 60"/>{child}</body>"#
+        )
+    };
+    let with = |keyframe: &str| {
+        let chain = body("a", &body("b", &body("c", "")));
+        let text = format!(
+            r#"<mujoco><worldbody><body name="base"><freejoint/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>{chain}</body>
+            </worldbody><actuator><motor joint="of_a" ctrlrange="-5 5"/></actuator>{keyframe}</mujoco>"#
+        );
+        convert(&text).expect("a robot")
+    };
+    let locked = |converted: &Converted| {
+        let model = Model::from_urdf(&converted.urdf, Root::Floating).expect("a URDF");
+        assert_eq!(model.joints.len(), 2, "the base and what is driven");
+        assert_eq!(model.joints[1].torque_limit, 5.0);
+        model.locked
+    };
+    let at = |b: f64, c: f64| vec![("of_b".to_owned(), b), ("of_c".to_owned(), c)];
+    let plain = with("");
+    assert_eq!(locked(&plain), at(0.0, 0.0));
+    let notes = plain.notes.join("\n");
+    assert!(notes.contains("nothing moves here: of_b, of_c"), "{notes}");
+    let bent = r#"<keyframe><key name="home" qpos="0 0 1 1 0 0 0 0.1 0.2 -0.3"/></keyframe>"#;
+    assert_eq!(locked(&with(bent)), at(0.2, -0.3));
 }
 
 #[test]

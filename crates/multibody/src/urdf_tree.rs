@@ -29,11 +29,20 @@ impl Model {
             notes: description.notes.clone(),
             locked: Vec::new(),
             mimics: Vec::new(),
+            without_range: Vec::new(),
             unlimited: Vec::new(),
             unlimited_speed: Vec::new(),
         };
         walk.run(&description, &tree, root)?;
-        walk.notes.extend(mimics_note(&walk.mimics));
+        for (joints, what) in [
+            (&walk.mimics, "joints that mimic another cannot move here"),
+            (
+                &walk.without_range,
+                "joints with a range of zero cannot move",
+            ),
+        ] {
+            walk.notes.extend(locked_note(joints, what));
+        }
         walk.notes
             .extend(resistance_note(&description, &walk.joints));
         let mut model = Model::new(&description.name, walk.joints, walk.frames)
@@ -144,8 +153,9 @@ struct Walk {
     frames: Vec<Frame>,
     notes: Vec<String>,
     locked: Vec<(String, f64)>,
-    /// Joints that mimic another: how they are locked.
+    /// Joints that mimic another, and those with a range of zero: how they are locked.
     mimics: Vec<String>,
+    without_range: Vec<String>,
     /// Joints without a limit on their effort, and on their velocity.
     unlimited: Vec<String>,
     unlimited_speed: Vec<String>,
@@ -221,9 +231,7 @@ impl Walk {
                 Some(mimic) => self
                     .mimics
                     .push(format!("{name:?} (of {:?}) at {position}", mimic.joint)),
-                None => self.notes.push(format!(
-                    "joint {name:?} has a range of zero and is locked at {position}"
-                )),
+                None => self.without_range.push(format!("{name:?} at {position}")),
             }
             self.locked.push((name.clone(), position));
             return Ok((
@@ -359,20 +367,15 @@ fn locked_at(connection: &Connection, lower: f64, upper: f64) -> Option<f64> {
     (lower == upper && lower.is_finite()).then_some(lower)
 }
 
-/// How joints that mimic another are treated; the first few are named.
-fn mimics_note(mimics: &[String]) -> Option<String> {
+/// What is said of joints that are locked for one reason; the first few are named.
+fn locked_note(joints: &[String], what: &str) -> Option<String> {
     const NAMED: usize = 4;
-    let more = match mimics.len().saturating_sub(NAMED) {
+    let more = match joints.len().saturating_sub(NAMED) {
         0 => String::new(),
         more => format!(" and {more} more"),
     };
-    let named = &mimics[..mimics.len().min(NAMED)];
-    (!named.is_empty()).then(|| {
-        format!(
-            "joints that mimic another cannot move here and are locked: {}{more}",
-            named.join(", ")
-        )
-    })
+    let named = joints[..joints.len().min(NAMED)].join(", ");
+    (!joints.is_empty()).then(|| format!("{what} and are locked: {named}{more}"))
 }
 
 /// What `<dynamics>` says of the moving joints, none of which is in the equations of motion.

@@ -323,14 +323,12 @@ pub(crate) fn set_joints(
             .find(|joint| joint.name == **name && joint.kind != JointKind::FreeFlyer);
         let Some(joint) = named else {
             let known = model.joints.iter().skip(1).map(|joint| joint.name.as_str());
-            // One that is locked has a note that says why.
-            let locked = format!("joint {:?} ", **name);
-            let notes = model.notes.iter();
-            let user = notes
-                .map(String::as_str)
-                .find(|note| note.starts_with(&locked));
-            let user = user.unwrap_or("robot");
-            return Err(unknown_name(source, name, user, "moving joint", known));
+            let is_this = |(locked, _): &&(String, f64)| *locked == **name;
+            let locked = model.locked.iter().find(is_this);
+            let user = locked.map_or("robot".to_owned(), |(joint, at)| {
+                format!("robot, whose joint {joint:?} cannot move and is locked at {at},")
+            });
+            return Err(unknown_name(source, name, &user, "moving joint", known));
         };
         let position = source.finite(&format!("position of joint {:?}", joint.name), value)?;
         if position < joint.lower || position > joint.upper {

@@ -303,6 +303,27 @@ fn a_robot_without_feet_is_told_that_it_has_none() {
 }
 
 #[test]
+fn a_posture_that_names_a_locked_joint_is_told_that_it_is_locked() {
+    let still = r#"<limit lower="0.2" upper="0.2" effort="30" velocity="5"/>"#;
+    let urdf = urdf().replace(
+        r#"<limit lower="-1" upper="1" effort="30" velocity="5"/>"#,
+        still,
+    );
+    assert!(urdf.contains(still));
+    let robot = ROBOT.replace("slide = 0.2", "shoulder = 0.1");
+    let files = [
+        ("scene.toml", SCENE),
+        ("robot.toml", robot.as_str()),
+        ("robot.urdf", urdf.as_str()),
+    ];
+    let message = load_from_folder(&files).unwrap_err().to_string();
+    assert!(
+        message.contains("\"shoulder\" cannot move and is locked at 0.2"),
+        "{message}"
+    );
+}
+
+#[test]
 fn missing_files_are_named() {
     let message = Scene::load("no/such/scene.toml").unwrap_err().to_string();
     assert!(
