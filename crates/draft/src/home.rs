@@ -220,3 +220,30 @@ fn distances(scene: &mut Scene, q: &[f64]) -> Result<Vec<(f64, usize, usize)>, D
     let system = System::new(scene)?;
     Ok(CollisionModel::new(scene, &system).distances_at_home())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wider_stance_pays_where_it_takes_hips_out_of_one_another_or_legs_apart() {
+        let legs = |clear, hips, wider: f64| Legs {
+            clear,
+            hips,
+            q: vec![],
+            stance: 0.2 + wider,
+        };
+        let narrow = legs(0.03, -0.005, 0.0);
+        assert!(!narrow.is_clear());
+        assert!(legs(0.03, 0.003, 0.1).pays(&narrow, 0.1));
+        assert!(!legs(0.03, -0.004, 0.1).pays(&narrow, 0.1), "hardly");
+        assert!(
+            !legs(0.01, 0.003, 0.1).pays(&narrow, 0.1),
+            "legs in the way"
+        );
+        let apart = legs(0.03, 0.001, 0.0);
+        assert!(apart.is_clear() && !legs(0.03, 0.02, 0.1).pays(&apart, 0.1));
+        let near = legs(-0.01, 0.001, 0.0);
+        assert!(legs(0.03, 0.001, 0.06).pays(&near, 0.06));
+    }
+}

@@ -23,6 +23,7 @@ use spatial::Pose;
 const LIMB: usize = 4;
 /// Distance from which on two such links of different limbs get a row [m].
 const NEAR_LIMBS: f64 = 0.35;
+
 /// One shape of a link: the balls that cover it and the parts that it is.
 #[derive(Debug, Clone, Default)]
 pub(super) struct LinkShape {

@@ -107,7 +107,6 @@ impl SelfPair {
         self.bound = bounding_ball(&self.balls);
     }
 
-    /// Least distance of the shapes, or minus their depth [m].
     /// True of shapes that do not overlap for sure, more than in the home posture or not.
     pub fn is_far(&self, kinematics: &Kinematics) -> bool {
         let (centre, radius) = self.bound;
@@ -116,6 +115,7 @@ impl SelfPair {
         !self.parts.iter().any(near)
     }
 
+    /// Least distance of the shapes, or minus their depth [m].
     pub fn distance(&self, kinematics: &Kinematics) -> f64 {
         let b_from_a = from_link(kinematics, self.a, self.b);
         let mut least = f64::INFINITY;
