@@ -463,3 +463,46 @@ fn contact_shares(scene: &Scene, motion: &Motion) -> (Option<f64>, Option<f64>) 
     }
     (friction, pressure)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Request;
+    use std::path::Path;
+
+    #[test]
+    fn friction_used_is_that_of_objects_on_tables_too() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("../../scenes/sequences/yardstick/red_step.toml");
+        let file = scene::SequenceFile::load(&path).expect("a sequence file");
+        let scene = file.load_scene().expect("its scene");
+        let sequence = file.resolve(&scene).expect("a sequence of the scene");
+        let request = Request {
+            refinement: None,
+            ..Request::default()
+        };
+        let solved = crate::solve(&scene, &sequence, &request, &mut |_| true).expect("a problem");
+        let found = solved.best.expect("a motion");
+        // soles and the bottom of the box are level: world axes are those of the surfaces
+        let used = |touches: &dyn Fn(&str) -> bool, least: f64| {
+            let contacts = found.plan.phases.iter().flat_map(|phase| &phase.contacts);
+            let rows = contacts
+                .filter(|c| touches(&c.a))
+                .flat_map(|c| c.wrench.iter().map(|w| (w, c.mu)));
+            let shares = rows
+                .filter(|(w, _)| w[2] > least)
+                .map(|(w, mu)| w[0].hypot(w[1]) / (mu * w[2]));
+            shares.fold(0.0, f64::max)
+        };
+        let least = |mass: f64| LIGHT * mass * scene.gravity.norm();
+        let feet = used(
+            &|a| a.ends_with("foot"),
+            least(scene.robot.model.total_mass()),
+        );
+        let boxes = used(&|a| a == "red_box_bottom", least(scene.objects[0].mass));
+        let friction = (found.quality.margins.iter()).find(|margin| margin.name == "friction");
+        let reached = friction.and_then(|margin| margin.reached).expect("a share");
+        assert!(boxes > feet, "{boxes} {feet}");
+        assert!((reached - boxes).abs() < 1e-3, "{reached} {boxes}");
+    }
+}

@@ -27,25 +27,18 @@ const BEYOND_PATCH: f64 = 1e-3;
 /// (columns, the third its normal) if it has one, or the link's, or others.
 pub(crate) fn enclose(points: &[Vector3<f64>], patch: Option<&Matrix3<f64>>) -> PlacedShape {
     let given = patch.copied().unwrap_or_else(Matrix3::identity);
-    let bounds = enclosing_box(points, &given);
     let normal = given.column(2).into_owned();
-    let end = reach(&bounds, &normal) + BEYOND_PATCH;
+    let end = reach(&enclosing_box(points, &given), &normal) + BEYOND_PATCH;
     let fits = |placed: &PlacedShape| patch.is_none() || reach(placed, &normal) < end;
-    let round = round_along(points, &given, &bounds);
-    let as_given = smaller(bounds, round, fits);
-    let principal = principal_axes(points);
-    let turned = enclosing_box(points, &principal);
-    let turned_round = round_along(points, &principal, &turned);
-    let turned = if fits(&turned) {
-        smaller(turned, turned_round, fits)
-    } else {
-        turned_round
+    let tightest = |axes: &Matrix3<f64>| {
+        let both = candidates(points, axes).into_iter();
+        both.filter(fits)
+            .min_by(|a, b| volume(&a.shape).total_cmp(&volume(&b.shape)))
     };
-    if fits(&turned) && volume(&turned.shape) < WORTH_TURNING * volume(&as_given.shape) {
-        turned
-    } else {
-        as_given
-    }
+    let as_given = tightest(&given).expect("the box along them ends there");
+    let most = WORTH_TURNING * volume(&as_given.shape);
+    let turned = tightest(&principal_axes(points)).filter(|x| volume(&x.shape) < most);
+    turned.unwrap_or(as_given)
 }
 
 /// How far a shape reaches along a direction from the origin of its link [m].
@@ -64,31 +57,17 @@ fn reach(placed: &PlacedShape, direction: &Vector3<f64>) -> f64 {
     direction.dot(&pose.origin()) + from_centre
 }
 
-/// The first, or the second if it fits and is smaller.
-fn smaller(
-    first: PlacedShape,
-    second: PlacedShape,
-    fits: impl Fn(&PlacedShape) -> bool,
-) -> PlacedShape {
-    if fits(&second) && volume(&second.shape) < volume(&first.shape) {
-        second
-    } else {
-        first
-    }
-}
-
-/// The capsule along the longest of given axes, of a box along them.
-fn round_along(
-    points: &[Vector3<f64>],
-    link_from_axes: &Matrix3<f64>,
-    bounds: &PlacedShape,
-) -> PlacedShape {
+/// The box along given axes, and the capsule along the longest side of that.
+fn candidates(points: &[Vector3<f64>], link_from_axes: &Matrix3<f64>) -> [PlacedShape; 2] {
+    let bounds = enclosing_box(points, link_from_axes);
     let long = match bounds.shape {
         Shape::Box { half_size } => half_size.imax(),
         _ => 2,
     };
     let axis = |k: usize| link_from_axes.column((long + k) % 3);
-    enclosing_capsule(points, &Matrix3::from_columns(&[axis(1), axis(2), axis(0)]))
+    let along_z = Matrix3::from_columns(&[axis(1), axis(2), axis(0)]);
+    let round = enclosing_capsule(points, &along_z);
+    [bounds, round]
 }
 
 /// Volume [m³]; infinite for a half-space.
