@@ -22,6 +22,10 @@ const LEVEL_SHIFT: f64 = 0.01;
 const LEVEL_GROWTH: f64 = 2.0;
 /// Last level that has curvature of the rows.
 const LAST_CURVED: i32 = 6;
+/// Violation (scaled rows) below which Newton's system is tried first, whatever the last one needed: with less of the rows' curvature
+/// there is less of what is positive too, so that half of it may have the wrong inertia where all of it has the right one, and steps
+/// circle around the solution.
+const NEAR: f64 = 1e-2;
 
 /// [`Convexification::Shift`]: the first shift, and the one from which on the curvature of the rows is dropped instead.
 const FIRST_SHIFT: f64 = 1e-4;
@@ -62,18 +66,23 @@ impl Inertia {
         }
     }
 
-    /// What to try first; `last` is what earlier systems needed ([`State::last_inertia`]), `forced` the least shift.
-    fn first(how: Convexification, last: Self, forced: f64) -> Self {
+    /// What to try first at a point with this violation; `last` is what earlier systems needed ([`State::last_inertia`]), `forced`
+    /// the least shift.
+    fn first(how: Convexification, last: Self, forced: f64, violation: f64) -> Self {
         match how {
-            Convexification::Curvature => Self::halved((last.level - 1).max(0), forced),
-            Convexification::Shift => Self::newton(forced),
+            Convexification::Curvature if violation > NEAR => {
+                Self::halved((last.level - 1).max(0), forced)
+            }
+            _ => Self::newton(forced),
         }
     }
 
     /// What to try when this was not enough; `last` and `forced` as in [`Inertia::first`].
     fn next(self, how: Convexification, last: Self, forced: f64) -> Self {
         match how {
-            Convexification::Curvature => Self::halved(self.level + 1, forced),
+            Convexification::Curvature => {
+                Self::halved((self.level + 1).max(last.level - 1), forced)
+            }
             Convexification::Shift => {
                 if self.curvature > 0.0 && self.shift >= GN_SHIFT.max(forced) {
                     return Self {
@@ -96,12 +105,13 @@ impl Inertia {
 }
 
 impl<P: Problem> InteriorPoint<P> {
-    /// Factorises the Newton system at the current point; `None` if nothing helps.
+    /// Factorises the Newton system at the current point, which has this violation; `None` if nothing helps.
     pub(super) fn factorise(
         &mut self,
         problem: &mut P,
         x: &P::Point,
         state: &mut State,
+        violation: f64,
     ) -> Option<Inertia> {
         let clock = Instant::now();
         for (i, d) in self.scratch.diagonal_y.iter_mut().enumerate() {
@@ -112,8 +122,9 @@ impl<P: Problem> InteriorPoint<P> {
             };
         }
         let how = state.options.convexification;
-        let mut inertia = Inertia::newton(state.forced_shift);
-        let mut next = Inertia::first(how, state.last_inertia, state.forced_shift);
+        let (last, forced) = (state.last_inertia, state.forced_shift);
+        let mut inertia = Inertia::newton(forced);
+        let mut next = Inertia::first(how, last, forced, violation);
         loop {
             if next.curvature < inertia.curvature {
                 let factor = next.curvature / inertia.curvature;
@@ -123,7 +134,7 @@ impl<P: Problem> InteriorPoint<P> {
             if inertia.shift > MAX_SHIFT || self.factorise_shifted(state, inertia.shift) {
                 break;
             }
-            next = inertia.next(how, state.last_inertia, state.forced_shift);
+            next = inertia.next(how, last, forced);
         }
         self.timing.factorise += clock.elapsed();
         match how {
@@ -155,9 +166,19 @@ impl<P: Problem> InteriorPoint<P> {
 mod tests {
     use super::*;
 
-    /// Curvature and shift of what is tried one after the other.
+    /// Curvature and shift of what is tried one after the other far from a solution.
     fn tried(how: Convexification, last: Inertia, forced: f64) -> Vec<(f64, f64)> {
-        let first = Some(Inertia::first(how, last, forced));
+        tried_at(1.0, how, last, forced)
+    }
+
+    /// The same at a point with this violation.
+    fn tried_at(
+        violation: f64,
+        how: Convexification,
+        last: Inertia,
+        forced: f64,
+    ) -> Vec<(f64, f64)> {
+        let first = Some(Inertia::first(how, last, forced, violation));
         let all = std::iter::successors(first, |now| Some(now.next(how, last, forced)));
         all.map(|i| (i.curvature, i.shift)).take(9).collect()
     }
@@ -178,6 +199,14 @@ mod tests {
             let last = Inertia::halved(level, 0.0);
             assert_eq!(tried(Convexification::Curvature, last, 0.0)[0], first);
         }
+    }
+
+    #[test]
+    fn near_a_solution_newtons_system_is_tried_before_twice_the_last_curvature() {
+        let last = Inertia::halved(4, 0.0);
+        let all = tried_at(1e-3, Convexification::Curvature, last, 0.0);
+        let curvature: Vec<f64> = all.iter().map(|i| i.0).collect();
+        assert_eq!(curvature[..4], [1.0, 0.125, 0.0625, 0.03125]);
     }
 
     #[test]

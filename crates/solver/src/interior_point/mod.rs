@@ -162,7 +162,7 @@ impl<P: Problem> InteriorPoint<P> {
 
             state.choose_barrier(errors);
             self.right_hand_side(&state);
-            let Some(inertia) = self.factorise(problem, x, &mut state) else {
+            let Some(inertia) = self.factorise(problem, x, &mut state, errors.violation) else {
                 break Status::Failed;
             };
             (line.curvature, line.shift) = (inertia.curvature, inertia.shift);
