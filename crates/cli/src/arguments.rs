@@ -168,6 +168,9 @@ pub(crate) struct ProblemOptions {
     /// Leave the joint torque limits out, torque at speed too (to see what they change)
     #[arg(long)]
     pub no_torque_limits: bool,
+    /// If there is no motion, do not look for what would give one (which takes many solves)
+    #[arg(long)]
+    pub no_explain: bool,
     /// Threads that optimise motions; 0: one per processor. The result does not depend on it
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,
@@ -187,6 +190,7 @@ impl ProblemOptions {
             time_limit: time_limit.unwrap_or(f64::INFINITY),
             refinement,
             threads: self.threads,
+            explain: !self.no_explain,
             ..Request::default()
         }
     }
@@ -207,9 +211,6 @@ pub(crate) struct SolveOptions {
     pub time_limit: Option<f64>,
     #[command(flatten)]
     pub problem: ProblemOptions,
-    /// If there is no motion, do not look for what would give one (which takes many solves)
-    #[arg(long)]
-    pub no_explain: bool,
     /// One JSON object on standard output
     #[arg(long)]
     pub json: bool,

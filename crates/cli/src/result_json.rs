@@ -34,6 +34,12 @@ pub(crate) fn write(finished: &Finished) -> Value {
             "count": r.count, "stage": r.stage, "what": r.what, "example": r.example,
         })).collect::<Vec<_>>(),
         "remedy": reasons::remedy(&outcome.attempts, &outcome.impossible),
+        "possible": outcome.possible.iter().map(|p| json!({
+            "contacts": p.contacts, "remedy": p.remedy,
+        })).collect::<Vec<_>>(),
+        "explained": outcome.explained.as_ref().map(|e| json!({
+            "labels": e.labels, "explanation": e.explanation,
+        })),
         "attempts": outcome.attempts.iter().map(attempt).collect::<Vec<_>>(),
     })
 }

@@ -242,6 +242,22 @@ fn explanation(outcome: &Outcome) -> String {
     if let Some(remedy) = reasons::remedy(&outcome.attempts, &outcome.impossible) {
         let _ = writeln!(text, "{remedy}");
     }
+    for possible in &outcome.possible {
+        let (contacts, remedy) = (possible.contacts.join(" with "), &possible.remedy);
+        let _ = writeln!(
+            text,
+            "\nno configuration has {contacts}\nwould do     {} [{}]",
+            remedy.text, remedy.key
+        );
+    }
+    if let Some(explained) = &outcome.explained {
+        let actions = explained.labels[1..].join(" | ");
+        let _ = writeln!(
+            text,
+            "\nfor example: {actions}\n{}",
+            explained.explanation.text.trim_end()
+        );
+    }
     text
 }
 

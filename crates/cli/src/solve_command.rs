@@ -68,10 +68,7 @@ fn solve(
     sequence: &Sequence,
     folder: &Folder,
 ) -> Result<Finished, Failure> {
-    let request = Request {
-        explain: !options.no_explain,
-        ..options.problem.request(options.time_limit)
-    };
+    let request = options.problem.request(options.time_limit);
     let mut progress = Progress::of_one_sequence(options.quiet);
     let solved = observed(scene, sequence, &request, &mut progress, &interrupt::flag());
     progress.finish();

@@ -87,7 +87,8 @@ pub struct Request {
     pub sticking: Sticking,
     /// The finer grid of the returned plan; `None` for the coarse one. The preset `paper` has none.
     pub refinement: Option<Refinement>,
-    /// Explain why a given sequence has no motion, and what would give it one ([`crate::solve`] only): takes many solves.
+    /// Explain why a given sequence has no motion, and what would give it one: takes many solves. A search that comes as far as no
+    /// motion explains a simple sequence.
     pub explain: bool,
 }
 
@@ -333,6 +334,24 @@ impl Found {
     }
 }
 
+/// Why a contact sequence has no motion.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Explained {
+    /// What changes on entering each phase.
+    pub labels: Vec<String>,
+    /// What resists, and what would change that.
+    pub explanation: plan::Explanation,
+}
+
+/// What would make contacts possible that exclude one another.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Possible {
+    /// The contacts, "a on b".
+    pub contacts: Vec<String>,
+    /// The number to change.
+    pub remedy: plan::Remedy,
+}
+
 /// Result of a run.
 #[derive(Debug)]
 pub struct Outcome {
@@ -349,6 +368,10 @@ pub struct Outcome {
     pub attempts: Vec<Attempt>,
     /// Contacts that were refused: since they exclude one another, cannot bear what they lift, or end beginnings.
     pub impossible: Vec<Impossible>,
+    /// What would make refused contacts possible, where that is known, there is no plan and the request asks for it.
+    pub possible: Vec<Possible>,
+    /// Why a simple sequence that lifts what the goal speaks of has no keyframes, if moreover nothing came as far as a motion.
+    pub explained: Option<Explained>,
     /// Why the search ended, in words.
     pub ended: String,
     /// Wall time [s].

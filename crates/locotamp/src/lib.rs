@@ -23,8 +23,8 @@ mod swings;
 mod weight;
 
 pub use api::{
-    Alternative, Attempt, Error, Event, Found, Impossible, Outcome, Reached, Refusal, Request,
-    Search, Stop,
+    Alternative, Attempt, Error, Event, Explained, Found, Impossible, Outcome, Possible, Reached,
+    Refusal, Request, Search, Stop,
 };
 pub use departures::with_places_to_leave;
 pub use domain::{Skeletons, domain, pddl, skeletons};

@@ -116,6 +116,7 @@ pub fn solve(
         phases: &phases,
         labels: &labels,
         request,
+        is_quick: false,
         failed,
     };
     if keyframes.possible && !stopped {

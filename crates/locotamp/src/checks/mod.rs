@@ -160,6 +160,11 @@ impl<'a> Checks<'a> {
         self.impossible.len() - 1
     }
 
+    /// Sets of contacts that exclude one another, none of which can be left out, in the order in which they were found.
+    pub fn cores(&self) -> impl Iterator<Item = &ContactState> {
+        self.impossible.iter().map(|core| &core.contacts)
+    }
+
     /// The contacts of a state in words, in order.
     pub fn names(&self, state: &ContactState) -> Vec<String> {
         let name = |i: symbolic::InterfaceId| &self.scene.interfaces[i.0].name;

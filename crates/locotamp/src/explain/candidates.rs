@@ -1,6 +1,7 @@
 //! Which numbers might make a sequence feasible, the most promising first.
 
-use super::knob::{Knob, can_move};
+use super::knob::{ALONG, Knob, can_move, width};
+use nalgebra::Vector3;
 use ocp::{Phase, Pull, Subject};
 use scene::{Owner, Role, Scene};
 use std::collections::BTreeSet;
@@ -46,7 +47,7 @@ pub(super) fn of_motion(scene: &Scene, phases: &[Phase], pulls: &[Pull]) -> Vec<
     groups.into_iter().filter(|g| !g.is_empty()).collect()
 }
 
-/// Numbers of geometry: goal regions, places of static bodies and objects, joint ranges.
+/// Numbers of geometry: goal regions, places of static bodies and objects, widths of objects between two hands, joint ranges.
 pub(super) fn of_geometry(scene: &Scene, phases: &[Phase], pulls: &[Pull]) -> Vec<Knob> {
     let mut out = Vec::new();
     for (r, region) in scene.goal_regions.iter().enumerate() {
@@ -78,6 +79,7 @@ pub(super) fn of_geometry(scene: &Scene, phases: &[Phase], pulls: &[Pull]) -> Ve
             out.extend([2, 0, 1].map(|axis| Knob::Static(s, axis)));
         }
     }
+    out.extend(widths(scene, phases));
     for o in 0..scene.objects.len() {
         let touched = |c: &&Contact| scene.interfaces[c.b.0].owner == Owner::Object(o);
         if contacts.iter().any(|c| touched(&c)) {
@@ -87,6 +89,35 @@ pub(super) fn of_geometry(scene: &Scene, phases: &[Phase], pulls: &[Pull]) -> Ve
     let narrow = joints_of(scene, pulls, "joint range").collect::<Vec<_>>();
     for j in narrow {
         out.extend([Knob::Range(j, false), Knob::Range(j, true)]);
+    }
+    out
+}
+
+/// Widths of objects that are one box, along the horizontal axes on whose two sides the robot touches them in one phase.
+pub(super) fn widths(scene: &Scene, phases: &[Phase]) -> Vec<Knob> {
+    let mut out = Vec::new();
+    let side = |c: &Contact| {
+        let (robot, body) = (&scene.interfaces[c.a.0], &scene.interfaces[c.b.0]);
+        match (robot.owner, body.owner) {
+            (Owner::Robot { .. }, Owner::Object(o)) => {
+                Some((o, body.body_from_interface.rotate(Vector3::z())))
+            }
+            _ => None,
+        }
+    };
+    for phase in phases {
+        let sides: Vec<(usize, Vector3<f64>)> =
+            phase.state.contacts.iter().filter_map(side).collect();
+        for (o, axis) in sides.iter().flat_map(|(o, _)| [(*o, 0), (*o, 1)]) {
+            let on = |sign: f64| {
+                let mut sides = sides.iter();
+                sides.any(|(other, normal)| *other == o && sign * normal[axis] > ALONG)
+            };
+            let knob = Knob::Width(o, axis);
+            if on(1.0) && on(-1.0) && width(scene, o, axis).is_some() && !out.contains(&knob) {
+                out.push(knob);
+            }
+        }
     }
     out
 }

@@ -1,9 +1,14 @@
 //! Numbers of a scene that a user can change, one at a time: their value, their name, and the scene with another value.
 
 use multibody::JointKind;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use scene::{Owner, Scene, Shape};
 use spatial::Pose;
+
+/// Least size of an object that is told [m].
+const LEAST_WIDTH: f64 = 0.03;
+/// Cosine of an axis of an interface with one of its body that counts as the same direction.
+pub(super) const ALONG: f64 = 0.999;
 
 /// One number. Indices: objects, interfaces, joints of the robot, static bodies, goal regions of the scene; axes 0 to 2 are
 /// x, y, z of the world.
@@ -35,6 +40,8 @@ pub(super) enum Knob {
     Static(usize, usize),
     /// Horizontal coordinate of an object at the start.
     Object(usize, usize),
+    /// Size of an object that is one box, along a horizontal axis of its own.
+    Width(usize, usize),
     /// Lower or (true) upper bound of a goal region on an axis.
     Goal(usize, usize, bool),
 }
@@ -49,7 +56,11 @@ impl Knob {
     pub fn is_ratio(&self) -> bool {
         !matches!(
             self,
-            Self::Static(..) | Self::Object(..) | Self::Goal(..) | Self::Range(..)
+            Self::Static(..)
+                | Self::Object(..)
+                | Self::Width(..)
+                | Self::Goal(..)
+                | Self::Range(..)
         )
     }
 
@@ -72,6 +83,7 @@ impl Knob {
             Self::Shortest => scene.optimiser.min_duration,
             Self::Static(s, axis) => body_origin(scene, *s)[*axis],
             Self::Object(o, axis) => scene.objects[*o].world_from_start.origin()[*axis],
+            Self::Width(o, axis) => width(scene, *o, *axis).unwrap_or(f64::NAN),
             Self::Goal(r, axis, false) => scene.goal_regions[*r].lower[*axis],
             Self::Goal(r, axis, true) => scene.goal_regions[*r].upper[*axis],
         }
@@ -116,6 +128,7 @@ impl Knob {
                 let pose = &mut scene.objects[*o].world_from_start;
                 *pose = moved(pose, &Vector3::ith(*axis, change));
             }
+            Self::Width(o, axis) => widen(&mut scene, *o, *axis, to / (to - change)),
             Self::Goal(r, axis, false) => scene.goal_regions[*r].lower[*axis] = to,
             Self::Goal(r, axis, true) => scene.goal_regions[*r].upper[*axis] = to,
         }
@@ -125,9 +138,11 @@ impl Knob {
     /// Which ways it may be changed: 1 up, −1 down.
     pub fn directions(&self) -> &'static [f64] {
         match self {
-            Self::Mass(_) | Self::Shortest | Self::Goal(_, _, false) | Self::Range(_, false) => {
-                &[-1.0]
-            }
+            Self::Mass(_)
+            | Self::Shortest
+            | Self::Width(..)
+            | Self::Goal(_, _, false)
+            | Self::Range(_, false) => &[-1.0],
             Self::Static(..) | Self::Object(..) => &[1.0, -1.0],
             _ => &[1.0],
         }
@@ -148,6 +163,11 @@ impl Knob {
             Self::Shortest => vec![now * 0.2],
             Self::Range(..) => [0.3, 1.0].map(|d| now + direction * d).to_vec(),
             Self::Object(..) => [0.05, 0.1, 0.2].map(|d| now + direction * d).to_vec(),
+            Self::Width(..) => {
+                let wide = |size: &f64| *size >= LEAST_WIDTH;
+                let steps = [0.05, 0.1, 0.2, 0.4, 0.7].map(|d| now + direction * d);
+                steps.into_iter().filter(wide).collect()
+            }
             Self::Static(..) => [0.1, 0.2, 0.4, 0.7, 1.0]
                 .map(|d| now + direction * d)
                 .to_vec(),
@@ -236,8 +256,57 @@ impl Knob {
             Self::Range(..) => "rad",
             Self::Force(_) => "N",
             Self::Longest | Self::Shortest => "s",
-            Self::Torsion(_) | Self::Static(..) | Self::Object(..) | Self::Goal(..) => "m",
+            Self::Torsion(_)
+            | Self::Static(..)
+            | Self::Object(..)
+            | Self::Width(..)
+            | Self::Goal(..) => "m",
         }
+    }
+}
+
+/// Size of an object that is one box, along an axis of its own; `None` for any other.
+pub(super) fn width(scene: &Scene, object: usize, axis: usize) -> Option<f64> {
+    let [placed] = scene.objects[object].shapes.as_slice() else {
+        return None;
+    };
+    let straight = (placed.body_from_shape.rotation() - Matrix3::identity()).norm() < 1e-6;
+    match placed.shape {
+        Shape::Box { half_size } if straight => Some(2.0 * half_size[axis]),
+        _ => None,
+    }
+}
+
+/// Stretches an object that is one box along an axis of its own, with its interfaces; it keeps its mass.
+fn widen(scene: &mut Scene, object: usize, axis: usize, factor: f64) {
+    let along = |mut v: Vector3<f64>| {
+        v[axis] *= factor;
+        v
+    };
+    let stretched = |pose: &Pose| Pose::from_parts(*pose.rotation(), along(pose.origin()));
+    let body = &mut scene.objects[object];
+    for placed in &mut body.shapes {
+        placed.body_from_shape = stretched(&placed.body_from_shape);
+        if let Shape::Box { half_size } = &mut placed.shape {
+            *half_size = along(*half_size);
+        }
+    }
+    // ∫ r rᵀ dm = ½ tr(I) 1 − I, and back.
+    let mut second = Matrix3::identity() * (0.5 * body.inertia.trace()) - body.inertia;
+    for i in 0..3 {
+        second[(axis, i)] *= factor;
+        second[(i, axis)] *= factor;
+    }
+    body.inertia = Matrix3::identity() * second.trace() - second;
+    let own = Owner::Object(object);
+    for interface in scene.interfaces.iter_mut().filter(|i| i.owner == own) {
+        let pose = &mut interface.body_from_interface;
+        for (i, half) in interface.half_size.iter_mut().flatten().enumerate() {
+            if pose.rotate(Vector3::ith(i, 1.0))[axis].abs() > ALONG {
+                *half *= factor;
+            }
+        }
+        *pose = stretched(pose);
     }
 }
 

@@ -6,6 +6,7 @@
 //! confirmed by the solve that the user would run.
 
 mod candidates;
+mod contacts;
 mod knob;
 mod remedy;
 mod trial;
@@ -23,6 +24,7 @@ use scene::{Owner, Scene};
 use solver::Status;
 use trial::{Effort, Trials};
 
+pub(crate) use contacts::remedy as remedy_of_contacts;
 use knob::Knob;
 
 /// Remedies after which the search ends.
@@ -48,6 +50,8 @@ pub(crate) struct Case<'a> {
     /// What happens on entering each phase.
     pub labels: &'a [String],
     pub request: &'a Request,
+    /// Keyframes of trials are sought from the sequence alone, not as searches find them.
+    pub is_quick: bool,
     pub failed: Failed<'a>,
 }
 
@@ -105,7 +109,7 @@ pub(crate) fn explain(
     let mut search = Search {
         case,
         pulls: &pulls,
-        trials: Trials::new(case.phases, case.request, begin, observe),
+        trials: Trials::new(case, begin, observe),
         found: vec![],
         in_vain: vec![],
     };
@@ -314,7 +318,9 @@ fn concerns(scene: &Scene, knob: &Knob, pull: &Pull) -> bool {
         }
         Knob::Longest | Knob::Shortest => category == "phase duration",
         Knob::Static(s, _) => category.starts_with("contact ") && touches(Owner::Static(*s)),
-        Knob::Object(o, _) => category.starts_with("contact ") && touches(Owner::Object(*o)),
+        Knob::Object(o, _) | Knob::Width(o, _) => {
+            category.starts_with("contact ") && touches(Owner::Object(*o))
+        }
         Knob::Goal(r, ..) => pull.label.subject == Subject::Goal(*r),
     }
 }

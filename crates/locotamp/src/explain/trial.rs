@@ -1,5 +1,6 @@
 //! Solves of changed scenes, exactly as a user would solve them.
 
+use super::Case;
 use crate::api::{Event, Request};
 use crate::refine;
 use crate::search;
@@ -19,6 +20,7 @@ const COARSE_ITERATIONS: usize = 200;
 pub(super) struct Trials<'a> {
     phases: &'a [Phase],
     request: &'a Request,
+    is_quick: bool,
     begin: Instant,
     observe: &'a mut dyn FnMut(&Event) -> bool,
     /// What is being tried, for the observer.
@@ -45,14 +47,14 @@ pub(super) struct Success(pub Option<Box<Motion>>);
 
 impl<'a> Trials<'a> {
     pub fn new(
-        phases: &'a [Phase],
-        request: &'a Request,
+        case: &Case<'a>,
         begin: Instant,
         observe: &'a mut dyn FnMut(&Event) -> bool,
     ) -> Self {
         Self {
-            phases,
-            request,
+            phases: case.phases,
+            request: case.request,
+            is_quick: case.is_quick,
             begin,
             observe,
             doing: String::new(),
@@ -113,6 +115,7 @@ impl<'a> Trials<'a> {
         }
         let request = self.request;
         let grid = request.refines().filter(|_| effort == Effort::Full);
+        let is_quick = self.is_quick;
         let mut go_on = |i: &Iteration| self.go_on(i.number);
         if let Some(near) = near {
             let motion = planner.motion_near(&phases, &settings, near, &mut go_on);
@@ -120,7 +123,11 @@ impl<'a> Trials<'a> {
         }
         let Keyframes {
             nodes, possible, ..
-        } = keyframes(&planner, &phases, &settings, request);
+        } = if is_quick {
+            planner.keyframes(&phases, &settings)
+        } else {
+            keyframes(&planner, &phases, &settings, request)
+        };
         if !possible || effort == Effort::Keyframes {
             return possible.then_some(Success(None));
         }

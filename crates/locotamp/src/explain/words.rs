@@ -52,7 +52,9 @@ fn owners(scene: &Scene, knob: &Knob) -> Vec<String> {
         names.collect()
     };
     match knob {
-        Knob::Mass(o) | Knob::Object(o, _) => vec![scene.objects[*o].name.clone()],
+        Knob::Mass(o) | Knob::Object(o, _) | Knob::Width(o, _) => {
+            vec![scene.objects[*o].name.clone()]
+        }
         Knob::Friction(of) | Knob::Torsion(of) | Knob::Force(of) | Knob::Moment(of) => {
             interfaces(of)
         }
@@ -108,6 +110,13 @@ fn quantity(scene: &Scene, knob: &Knob) -> (&'static str, String) {
             "position",
             format!("scene file [[object]]: position {} in the world", axis(*i)),
         ),
+        Knob::Width(_, i) => (
+            "width",
+            format!(
+                "scene file [[object]]: size {}, and what depends on it",
+                axis(*i)
+            ),
+        ),
         Knob::Goal(_, i, upper) => (
             "goal",
             format!("[[goal.region]]: {} {}", end(*upper), axis(*i)),
@@ -124,6 +133,7 @@ pub(super) fn name(scene: &Scene, knob: &Knob) -> String {
         Knob::Static(_, i) | Knob::Object(_, i) => {
             format!("{} of {of}", ["x", "y", "height"][*i])
         }
+        Knob::Width(_, i) => format!("width of {of} along its {}", ["x", "y", "z"][*i]),
         Knob::Goal(..) => {
             let which = key.rsplit(": ").next().unwrap_or_default();
             format!("{which} of the goal of {of}")
@@ -225,7 +235,7 @@ pub(super) fn cause(case: &Case, phase: usize, found: &Found) -> Obstacle {
         Knob::Moment(i) => ("grasp strength", of(i)),
         Knob::Longest | Knob::Shortest => ("phase duration", None),
         Knob::Static(s, _) => ("contact distance", on_static(*s)),
-        Knob::Object(o, _) => {
+        Knob::Object(o, _) | Knob::Width(o, _) => {
             let o = Owner::Object(*o);
             let touched = contact(&move |c| scene.interfaces[c.b.0].owner == o);
             ("contact distance", touched)
@@ -308,7 +318,7 @@ pub(super) fn text(e: &Explanation) -> String {
     if !e.in_vain.is_empty() {
         let shown = e.in_vain.iter().take(MOST_IN_VAIN).cloned();
         let more = e.in_vain.len().saturating_sub(MOST_IN_VAIN);
-        let more = (more > 0).then(|| format!("{more} more (see the report)"));
+        let more = (more > 0).then(|| format!("{more} more (--json lists all)"));
         let all: Vec<String> = shown.chain(more).collect();
         let _ = writeln!(text, "{:12} {}", "in vain", all.join("; "));
     }

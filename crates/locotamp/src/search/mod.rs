@@ -20,6 +20,7 @@ mod reward;
 mod stances;
 mod turns;
 mod under_way;
+mod why;
 mod workers;
 
 use std::mem;

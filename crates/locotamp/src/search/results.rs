@@ -331,6 +331,13 @@ impl Run<'_> {
                 )
             })
         };
+        let explains = !feasible && wanted && self.request.explain;
+        let possible = if explains { self.possible() } else { vec![] };
+        let explained = if explains && best.is_none() {
+            self.explain()
+        } else {
+            None
+        };
         let mut plans: Vec<Kept> = self.diverse.plans().chain(self.aside).collect();
         reward::sort(&mut plans, self.least_gain, |kept| kept.worth);
         let alternatives = plans.into_iter().map(|kept| kept.alternative).collect();
@@ -341,6 +348,8 @@ impl Run<'_> {
             first_after: self.first_after,
             attempts: self.attempts,
             impossible: self.checks.impossible(),
+            possible,
+            explained,
             ended,
             seconds: self.shop.begin.elapsed().as_secs_f64(),
         }

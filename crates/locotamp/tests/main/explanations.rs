@@ -279,6 +279,23 @@ fn a_heavy_box_is_told_its_mass() {
 
 #[test]
 #[ignore = "slow: up to a minute"]
+fn a_box_that_is_too_wide_for_two_hands_is_told_its_width() {
+    let size = |y: &str| format!("size = [0.10, {y}, 0.20]");
+    let problem = Problem::new("lift-box", "boxes/squeeze").scene(&size("0.25"), &size("1.1"));
+    let problem = problem.scene("size = [0.30, 0.60, 0.03]", "size = [0.30, 1.2, 0.03]");
+    let expected = Expected {
+        phase: 2,
+        group: "geometry",
+        subject: "_hand on box_",
+        range: 0.3..=1.05,
+    };
+    check(&problem, &expected, |problem, to| {
+        problem.scene(&size("1.1"), &size(to))
+    });
+}
+
+#[test]
+#[ignore = "slow: up to a minute"]
 fn a_table_that_is_too_far_is_told_its_place() {
     let place = |y: &str| {
         format!("name = \"table_b\"\nsize = [0.34, 0.40, 0.04]\nposition = [0.45, {y}, 0.73]")

@@ -347,3 +347,65 @@ fn the_other_policies_find_plans_too() {
         assert!(outcome.feasible, "{search:?}: {}", outcome.ended);
     }
 }
+
+/// A search that comes as far as no motion, of a scene of the repository with some places changed.
+fn in_vain(scene: &str, changes: &[(&str, &str)], seconds: f64) -> Outcome {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+    let mut text = std::fs::read_to_string(folder.join(scene)).expect("a scene");
+    for (from, to) in changes {
+        assert!(text.contains(from), "{from:?} is not in:\n{text}");
+        text = text.replace(from, to);
+    }
+    let scene = Scene::from_toml(&text, "scene.toml", &folder).expect("a scene");
+    let request = Request {
+        explain: true,
+        time_limit: seconds,
+        ..request(None)
+    };
+    let outcome = locotamp::plan(&scene, &request, &mut |_| true).expect("a planning problem");
+    assert!(outcome.best.is_none());
+    outcome
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "slow without optimisation")]
+fn a_search_in_vain_says_how_wide_a_box_may_be_for_two_hands() {
+    let wide = ("size = [0.10, 0.25, 0.20]", "size = [0.10, 1.1, 0.20]");
+    let table = ("size = [0.30, 0.60, 0.03]", "size = [0.30, 1.2, 0.03]");
+    let outcome = in_vain("lift-box.toml", &[wide, table], 5.0);
+    let [possible] = outcome.possible.as_slice() else {
+        panic!("{:?}", outcome.possible);
+    };
+    assert_eq!(possible.contacts.len(), 2);
+    assert_eq!(
+        (possible.remedy.quantity.as_str(), &possible.remedy.of[..]),
+        ("width", &["box".to_owned()][..])
+    );
+    assert!((0.3..1.1).contains(&possible.remedy.to), "{possible:?}");
+    let explained = outcome.explained.expect("an explanation").explanation;
+    let remedy = explained.remedies.first().expect(&explained.text);
+    assert_eq!(remedy.quantity, "width", "{}", explained.text);
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "slow without optimisation")]
+fn a_search_in_vain_explains_a_sequence_that_lifts_what_the_goal_speaks_of() {
+    let high = (
+        "position = [0.45, 1.20, 0.735]",
+        "position = [0.45, 1.20, 1.9]",
+    );
+    let outcome = in_vain("pick-place.toml", &[high], 8.0);
+    let explained = outcome.explained.expect("an explanation");
+    let cause = &explained.explanation.cause;
+    assert_eq!(cause.group, "geometry", "{explained:?}");
+    assert!(
+        cause.action.starts_with("place red_box on table_b_top"),
+        "{explained:?}"
+    );
+    let height = |p: &locotamp::Possible| p.remedy.of == ["table_b"] && p.remedy.to < 1.9;
+    assert!(
+        outcome.possible.iter().all(height),
+        "{:?}",
+        outcome.possible
+    );
+}
