@@ -43,6 +43,7 @@ impl Scene {
             notes.extend(self.larger_than_link(interface));
             notes.extend(self.beyond_plane(interface));
         }
+        notes.extend(self.too_tight_for_goal());
         notes.extend(self.stretched());
         notes.extend(self.short_legs());
         if let Some(beyond) = self.beyond_soles().filter(|beyond| *beyond > LEAST) {

@@ -2,6 +2,7 @@
 
 use crate::fit::contains;
 use crate::notes::tips;
+use crate::rules::fits;
 use crate::{Interface, Owner, PlacedShape, Scene};
 use nalgebra::Vector3;
 use spatial::Pose;
@@ -11,6 +12,9 @@ const SUNK: (u32, u32) = (5, 500);
 /// How far behind the plane of a patch shapes count as its face [m], and how far it must reach beyond them to be told.
 const BEHIND: f64 = 0.03;
 const BEYOND: f64 = 0.015;
+/// Room of a patch on another one, in its own half size, with which it counts as too tight to be met: the optimiser's bounds are met with
+/// one per cent.
+const TIGHT: f64 = 0.012;
 
 impl Scene {
     /// How far it is along the normal of a surface out of the object or static body that it belongs to, where that is much: nothing gets
@@ -34,6 +38,27 @@ impl Scene {
                 interface.name
             )
         })
+    }
+
+    /// Patches of the goal that fit onto others exactly: they could only stand there without any play, which no plan meets.
+    pub(crate) fn too_tight_for_goal(&self) -> Vec<String> {
+        let tight = self.goal_contacts.iter().filter_map(|goal| {
+            let (a, b) = (&self.interfaces[goal.a.0], &self.interfaces[goal.b.0]);
+            let (inner, outer) = (a.half_size?, b.half_size.filter(|_| !b.overhang)?);
+            let room = |i: usize, j: usize| {
+                (outer[0] - inner[i]).min(outer[1] - inner[j]) / inner[0].max(inner[1])
+            };
+            let most = room(0, 1).max(room(1, 0));
+            (fits(a, b) && most < TIGHT).then(|| {
+                let [x, y] = inner.map(|half| 2.0 * half);
+                format!(
+                    "interface {:?} ({x} m x {y} m) has no room on {:?}, where the goal has it: it would have to stand there without any \
+                     play, which no plan meets; set overhang = true at {:?}, then its centre alone must be inside, or leave a centimetre",
+                    a.name, b.name, b.name
+                )
+            })
+        });
+        tight.collect()
     }
 
     /// How far a patch of the robot reaches beyond the shapes behind it, where that is much: no force acts there.
@@ -106,6 +131,32 @@ mod tests {
         );
         for right in ["position = [-0.025, 0.1, 0.35]\n", ""] {
             assert_eq!(scene(right).notes(), Vec::<String>::new());
+        }
+    }
+
+    #[test]
+    fn a_box_that_is_to_stand_on_one_of_its_size_is_told_to_overhang() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/stack.toml");
+        let text = std::fs::read_to_string(path).unwrap();
+        let scene = |size: &str, more: &str| {
+            let text = text.replace("size = [0.12, 0.12, 0.12]", size);
+            let top = "name = \"green_box_top\"\n";
+            let text = text.replace(top, &format!("{top}{more}"));
+            Scene::from_toml(&text, "stack.toml", Path::new(".")).unwrap()
+        };
+        let same = "size = [0.14, 0.14, 0.12]";
+        let notes = scene(same, "").notes();
+        assert_eq!(notes.len(), 1, "{notes:?}");
+        assert!(
+            notes[0]
+                .contains("\"red_box_bottom\" (0.14 m x 0.14 m) has no room on \"green_box_top\""),
+            "{notes:?}"
+        );
+        for (size, more) in [
+            ("size = [0.12, 0.12, 0.12]", ""),
+            (same, "overhang = true\n"),
+        ] {
+            assert_eq!(scene(size, more).notes(), Vec::<String>::new());
         }
     }
 
