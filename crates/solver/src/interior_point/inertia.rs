@@ -66,13 +66,11 @@ impl Inertia {
         }
     }
 
-    /// What to try first at a point with this violation; `last` is what earlier systems needed ([`State::last_inertia`]), `forced`
-    /// the least shift.
-    fn first(how: Convexification, last: Self, forced: f64, violation: f64) -> Self {
+    /// What to try first, Newton's system or what is near the last one; `last` is what earlier systems needed
+    /// ([`State::last_inertia`]), `forced` the least shift.
+    fn first(how: Convexification, last: Self, forced: f64, newton: bool) -> Self {
         match how {
-            Convexification::Curvature if violation > NEAR => {
-                Self::halved((last.level - 1).max(0), forced)
-            }
+            Convexification::Curvature if !newton => Self::halved((last.level - 1).max(0), forced),
             _ => Self::newton(forced),
         }
     }
@@ -121,10 +119,15 @@ impl<P: Problem> InteriorPoint<P> {
                 1.0 / state.slack_sigma(i)
             };
         }
-        let how = state.options.convexification;
         let (last, forced) = (state.last_inertia, state.forced_shift);
         let mut inertia = Inertia::newton(forced);
-        let mut next = Inertia::first(how, last, forced, violation);
+        let how = if state.circles() {
+            Convexification::Shift
+        } else {
+            state.options.convexification
+        };
+        let newton = violation < NEAR;
+        let mut next = Inertia::first(how, last, forced, newton);
         loop {
             if next.curvature < inertia.curvature {
                 let factor = next.curvature / inertia.curvature;
@@ -137,6 +140,7 @@ impl<P: Problem> InteriorPoint<P> {
             next = inertia.next(how, last, forced);
         }
         self.timing.factorise += clock.elapsed();
+        state.note_level(inertia.level > 0 && inertia.level == last.level);
         match how {
             Convexification::Curvature => state.last_inertia = inertia,
             Convexification::Shift if inertia.shift > 0.0 => state.last_inertia = inertia,
@@ -166,19 +170,19 @@ impl<P: Problem> InteriorPoint<P> {
 mod tests {
     use super::*;
 
-    /// Curvature and shift of what is tried one after the other far from a solution.
+    /// Curvature and shift of what is tried one after the other.
     fn tried(how: Convexification, last: Inertia, forced: f64) -> Vec<(f64, f64)> {
-        tried_at(1.0, how, last, forced)
+        tried_from(false, how, last, forced)
     }
 
-    /// The same at a point with this violation.
-    fn tried_at(
-        violation: f64,
+    /// The same where Newton's system may come first.
+    fn tried_from(
+        newton: bool,
         how: Convexification,
         last: Inertia,
         forced: f64,
     ) -> Vec<(f64, f64)> {
-        let first = Some(Inertia::first(how, last, forced, violation));
+        let first = Some(Inertia::first(how, last, forced, newton));
         let all = std::iter::successors(first, |now| Some(now.next(how, last, forced)));
         all.map(|i| (i.curvature, i.shift)).take(9).collect()
     }
@@ -202,9 +206,9 @@ mod tests {
     }
 
     #[test]
-    fn near_a_solution_newtons_system_is_tried_before_twice_the_last_curvature() {
+    fn newtons_system_may_be_tried_before_twice_the_last_curvature() {
         let last = Inertia::halved(4, 0.0);
-        let all = tried_at(1e-3, Convexification::Curvature, last, 0.0);
+        let all = tried_from(true, Convexification::Curvature, last, 0.0);
         let curvature: Vec<f64> = all.iter().map(|i| i.0).collect();
         assert_eq!(curvature[..4], [1.0, 0.125, 0.0625, 0.03125]);
     }

@@ -15,6 +15,9 @@ const CLOSE: f64 = 1e-3;
 const MIN_DAMPING: f64 = 0.2;
 /// Violation below which steps ask for all of it.
 const FULL_STEP: f64 = 1e-3;
+/// Systems in a row that needed the same share of the rows' curvature after which steps count as circling, wherever they are: from
+/// there on the diagonal is shifted instead ([`crate::Convexification::Shift`]). Solves that get on need now more, now less.
+const CIRCLING: usize = 12;
 /// Forced shift after which no step is hoped for.
 const MAX_FORCED_SHIFT: f64 = 1e6;
 
@@ -41,6 +44,8 @@ pub(super) struct State {
     pub needs_reset: bool,
     /// What the last system needed; with [`crate::Convexification::Shift`] the last one that needed a shift.
     pub last_inertia: Inertia,
+    /// How many systems in a row needed the same share of the rows' curvature, where that was not all.
+    same_level: usize,
     /// Least shift of the next system, raised when no step was acceptable.
     pub forced_shift: f64,
 }
@@ -131,6 +136,7 @@ impl State {
             filter: Filter::new(),
             needs_reset: true,
             last_inertia: Inertia::newton(0.0),
+            same_level: 0,
             forced_shift: 0.0,
         }
     }
@@ -149,6 +155,18 @@ impl State {
                 .max(value - self.goal_upper[i])
                 .max(0.0)
         }
+    }
+
+    /// Takes note of whether a system needed the same share of the rows' curvature as the last one, until steps count as circling.
+    pub fn note_level(&mut self, is_same: bool) {
+        if !self.circles() {
+            self.same_level = if is_same { self.same_level + 1 } else { 0 };
+        }
+    }
+
+    /// True from when on steps count as circling.
+    pub fn circles(&self) -> bool {
+        self.same_level >= CIRCLING
     }
 
     /// After a refused line search: shifts the next system and forgets the filter; false if that was tried enough.
@@ -242,5 +260,30 @@ impl State {
             self.slacks.value[i] = v.max(low).min(high);
         }
         moves
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_circle_from_when_on_twelve_systems_in_a_row_needed_the_same() {
+        let mut state = State::new(
+            Bounded::new(&[], &[]),
+            (vec![], vec![]),
+            &[],
+            &Options::default(),
+            None,
+        );
+        let mut note = |times: usize, is_same| {
+            (0..times).for_each(|_| state.note_level(is_same));
+            state.circles()
+        };
+        assert!(!note(CIRCLING - 1, true));
+        assert!(!note(1, false));
+        assert!(!note(CIRCLING - 1, true));
+        assert!(note(1, true));
+        assert!(note(1, false), "for the rest of the solve");
     }
 }
