@@ -351,3 +351,42 @@ pub(super) fn can_move(scene: &Scene, body: usize) -> bool {
     let shapes = &scene.statics[body].shapes;
     !shapes.is_empty() && shapes.iter().all(|s| s.shape != Shape::HalfSpace)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    #[test]
+    fn a_box_with_another_width_is_the_one_of_a_scene_file_with_that_size() {
+        let text = Scene::builtin_text("lift-box").expect("a scene");
+        let scene = |size: &str| {
+            let text = text.replace("size = [0.10, 0.25, 0.20]", size);
+            Scene::from_toml(&text, "scene.toml", Path::new(".")).expect("a scene")
+        };
+        let narrow = scene("size = [0.10, 0.25, 0.20]");
+        let (wide, expected) = (
+            Knob::Width(0, 1).with(&narrow, 0.4),
+            scene("size = [0.10, 0.40, 0.20]"),
+        );
+        let [one, other] = [&wide, &expected].map(|scene| &scene.objects[0]);
+        assert!((one.inertia - other.inertia).norm() < 1e-12);
+        let half = |scene: &Scene| match scene.objects[0].shapes[0].shape {
+            Shape::Box { half_size } => half_size,
+            _ => panic!("a box"),
+        };
+        assert!((half(&wide) - half(&expected)).norm() < 1e-12);
+        for (one, other) in wide.interfaces.iter().zip(&expected.interfaces) {
+            let moved = one.body_from_interface.origin() - other.body_from_interface.origin();
+            assert!(moved.norm() < 1e-12, "{}", one.name);
+            let halves = one
+                .half_size
+                .into_iter()
+                .flatten()
+                .zip(other.half_size.into_iter().flatten());
+            for (one_half, other_half) in halves {
+                assert!((one_half - other_half).abs() < 1e-12, "{}", one.name);
+            }
+        }
+    }
+}
