@@ -160,11 +160,6 @@ impl<'a> Checks<'a> {
         self.impossible.len() - 1
     }
 
-    /// Sets of contacts that exclude one another, none of which can be left out, in the order in which they were found.
-    pub fn cores(&self) -> impl Iterator<Item = &ContactState> {
-        self.impossible.iter().map(|core| &core.contacts)
-    }
-
     /// The contacts of a state in words, in order.
     pub fn names(&self, state: &ContactState) -> Vec<String> {
         let name = |i: symbolic::InterfaceId| &self.scene.interfaces[i.0].name;
@@ -227,19 +222,6 @@ impl<'a> Checks<'a> {
             state,
             steps: self.steps,
         }
-    }
-
-    /// Contacts that were found to exclude one another, in the order in which they were found; those that do so before an
-    /// object is moved; lifts of what is too heavy; beginnings.
-    pub fn impossible(&self) -> Vec<Impossible> {
-        let one = |core: &Core| Impossible {
-            what: Refusal::Contacts,
-            contacts: self.names(&core.contacts),
-            reason: core.reason.clone(),
-            refused: core.refused,
-        };
-        let cores = self.impossible.iter().map(one);
-        cores.chain(self.refusals.all().cloned()).collect()
     }
 }
 

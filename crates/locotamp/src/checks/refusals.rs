@@ -1,7 +1,9 @@
-//! What was refused beside contacts that exclude one another, counted by reason.
+//! What was refused: contacts that exclude one another, and beside them, counted by reason, lifts and beginnings.
 
+use super::{Checks, Core};
 use crate::api::{Impossible, Refusal};
 use std::collections::BTreeMap;
+use symbolic::ContactState;
 
 /// Refusals by what was refused.
 #[derive(Debug, Default)]
@@ -44,6 +46,26 @@ impl Refusals {
     pub fn all(&self) -> impl Iterator<Item = &Impossible> {
         let contacts = self.before_moved.iter().chain(&self.too_heavy);
         contacts.chain(self.beginnings.values())
+    }
+}
+
+impl Checks<'_> {
+    /// Sets of contacts that exclude one another, none of which can be left out, in the order in which they were found.
+    pub fn cores(&self) -> impl Iterator<Item = &ContactState> {
+        self.impossible.iter().map(|core| &core.contacts)
+    }
+
+    /// Contacts that were found to exclude one another, in the order in which they were found; those that do so before an
+    /// object is moved; lifts of what is too heavy; beginnings.
+    pub fn impossible(&self) -> Vec<Impossible> {
+        let one = |core: &Core| Impossible {
+            what: Refusal::Contacts,
+            contacts: self.names(&core.contacts),
+            reason: core.reason.clone(),
+            refused: core.refused,
+        };
+        let cores = self.impossible.iter().map(one);
+        cores.chain(self.refusals.all().cloned()).collect()
     }
 }
 

@@ -75,3 +75,48 @@ fn least(scene: &Scene, knob: Knob, possible: &dyn Fn(&Scene) -> bool) -> Option
     }
     Some(Found { knob, from, to })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ocp::Preset;
+    use std::path::Path;
+    use symbolic::{Contact, ContactType};
+
+    #[test]
+    fn a_table_of_the_goal_that_is_out_of_reach_is_told_its_height() {
+        let text = Scene::builtin_text("pick-place").expect("a scene");
+        let remedy = |z: &str| {
+            let at = |z: &str| format!("position = [0.45, 1.20, {z}]");
+            assert!(text.contains(&at("0.735")));
+            let text = text.replace(&at("0.735"), &at(z));
+            let scene = Scene::from_toml(&text, "scene.toml", Path::new(".")).expect("a scene");
+            let id = |name: &str| scene.interface_id(name).expect("an interface");
+            let contact = |a: &str, b: &str, kind| Contact {
+                a: id(a),
+                b: id(b),
+                kind,
+            };
+            let contacts = [
+                contact("right_foot", "ground_top", ContactType::UnilateralPatch),
+                contact("right_hand", "red_box_handle", ContactType::BilateralPatch),
+                contact(
+                    "red_box_bottom",
+                    "table_b_top",
+                    ContactType::UnilateralPatch,
+                ),
+            ];
+            let settings = Settings::new(Preset::Default, &scene.optimiser);
+            super::remedy(&scene, &settings, &contacts.into_iter().collect())
+        };
+        let found = remedy("1.9").expect("a height");
+        assert_eq!(found.of, ["table_b"]);
+        assert!((1.0..1.9).contains(&found.to), "{found:?}");
+        // From nearer by it comes to about the same height.
+        let again = remedy(&format!("{:.3}", found.to + 0.1)).expect("a height");
+        assert!(
+            (again.to - found.to).abs() < 0.05,
+            "{again:?} after {found:?}"
+        );
+    }
+}

@@ -331,13 +331,7 @@ impl Run<'_> {
                 )
             })
         };
-        let explains = !feasible && wanted && self.request.explain;
-        let possible = if explains { self.possible() } else { vec![] };
-        let explained = if explains && best.is_none() {
-            self.explain()
-        } else {
-            None
-        };
+        let (possible, explained) = self.why(feasible || !wanted, best.is_some());
         let mut plans: Vec<Kept> = self.diverse.plans().chain(self.aside).collect();
         reward::sort(&mut plans, self.least_gain, |kept| kept.worth);
         let alternatives = plans.into_iter().map(|kept| kept.alternative).collect();

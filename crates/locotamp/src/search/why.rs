@@ -27,9 +27,20 @@ const CHOICE: usize = 30;
 const MUCH_LESS: f64 = 0.8;
 
 impl Run<'_> {
+    /// Why there is no plan, if that is asked for and nobody has ended it: beside refused contacts a simple sequence, unless there is a
+    /// motion that misses something.
+    pub fn why(&mut self, ended: bool, has_motion: bool) -> (Vec<Possible>, Option<Explained>) {
+        if ended || !self.request.explain {
+            return (vec![], None);
+        }
+        let possible = self.possible();
+        let explained = if has_motion { None } else { self.explain() };
+        (possible, explained)
+    }
+
     /// What would make contacts possible that exclude one another, where one number can say it; of several contacts that need the same
     /// number changed, those that need it least. What is not asked within [`LEAST`] is left out.
-    pub fn possible(&self) -> Vec<Possible> {
+    fn possible(&self) -> Vec<Possible> {
         let Shop {
             planner, settings, ..
         } = self.shop;
@@ -57,7 +68,7 @@ impl Run<'_> {
     }
 
     /// Explains a simple sequence, if there is one that lifts what the goal speaks of.
-    pub fn explain(&mut self) -> Option<Explained> {
+    fn explain(&mut self) -> Option<Explained> {
         let begin = Instant::now();
         let seconds = self.shop.begin.elapsed().as_secs_f64();
         let request = Request {
