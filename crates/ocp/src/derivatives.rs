@@ -164,9 +164,10 @@ impl Worker<'_> {
                     out.gradient[first + col] += sum.cost_gradient.dot(j);
                 }
                 let cols = &frame.cols[..relative.columns.len()];
+                let hessian = &mut out.hessian[..n * n];
                 frame.pose_hessian(relative, &sum.gradient, &sum.hessian, |k, l, value| {
                     let (i, j) = (first + cols[k], first + cols[l]);
-                    out.hessian[i.min(j) * n + i.max(j)] += value;
+                    hessian[i.min(j) * n + i.max(j)] += value;
                 });
             }
         }

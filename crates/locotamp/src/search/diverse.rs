@@ -15,10 +15,17 @@ const LOADED: f64 = 0.02;
 pub(super) struct Kept {
     pub alternative: Alternative,
     pub worth: Worth,
-    pub point: Point,
+    pub motion: Stored,
+}
+
+/// What it takes to set a motion up again, and what it took to find it.
+pub(super) struct Stored {
+    pub sequence: Sequence,
     /// Intervals per phase.
     pub steps: Vec<usize>,
-    pub sequence: Sequence,
+    pub point: Point,
+    /// Of the solver.
+    pub iterations: usize,
     /// Time of the optimiser [s].
     pub seconds: f64,
 }

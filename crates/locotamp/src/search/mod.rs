@@ -35,11 +35,11 @@ use crate::journal::{Header, Journal, States};
 use crate::start::check_start;
 use crate::{departures, domain};
 use candidate::{Candidate, Work};
-use diverse::{Diverse, Kept};
+use diverse::{Diverse, Kept, Stored};
 use failures::Failures;
 use growth::Growth;
 use more_steps::Longer;
-use ocp::{Ending, Integrator, Phase, Planner, Point, Preset, Relative, Settings, Sticking};
+use ocp::{Ending, Integrator, Phase, Planner, Preset, Relative, Settings, Sticking};
 use places::Places;
 use reward::Rewards;
 use scene::{Owner, Scene};
@@ -240,10 +240,7 @@ pub(crate) fn settings_of_one(scene: &Scene, request: &Request) -> Result<Settin
 struct Nearest {
     /// By how much (scaled rows).
     violation: f64,
-    point: Point,
-    /// Intervals per phase.
-    steps: Vec<usize>,
-    sequence: Sequence,
+    motion: Stored,
 }
 
 /// A search with all that it knows.
@@ -400,8 +397,8 @@ impl Run<'_> {
             return limit;
         };
         let intervals = best.alternative.duration / refinement.max_step;
-        let finer = intervals / best.steps.iter().sum::<usize>().max(1) as f64;
-        let needs = REFINING * finer * best.seconds;
+        let finer = intervals / best.motion.steps.iter().sum::<usize>().max(1) as f64;
+        let needs = REFINING * finer * best.motion.seconds;
         limit - needs.clamp((1.0 - SEARCH_SHARE) * limit, MOST_REFINING * limit)
     }
 

@@ -316,7 +316,7 @@ impl Run<'_> {
         }
         let height = |nodes: &[Vec<f64>]| nodes.last().map_or(f64::NEG_INFINITY, |q| q[2]);
         let best = self.diverse.best()?;
-        let (now, before) = (height(nodes), height(&best.point.nodes));
+        let (now, before) = (height(nodes), height(&best.motion.point.nodes));
         let low = now < before - HEIGHT_ROOM;
         low.then(|| format!("the base ends at {now:.2} m at most, a plan is at {before:.2} m"))
     }

@@ -4,14 +4,14 @@ use std::mem;
 use std::sync::atomic::Ordering;
 
 use super::candidate::{Candidate, Coarse, Work};
-use super::diverse::{Kept, loaded};
+use super::diverse::{Kept, Stored, loaded};
 use super::reward::{Rewards, Worth};
 use super::workers::{Evaluated, Message, Shop, with_steps};
 use super::{Nearest, Run, reward};
 use crate::api::{Alternative, Attempt, Event, Found, Outcome, Reached, Request};
 use crate::journal::{self, PointEntry, Tried};
 use crate::refine::{self, Refined};
-use ocp::Settings;
+use ocp::{Motion, Settings};
 use symbolic::Sequence;
 
 /// Motions that others may start from.
@@ -80,9 +80,13 @@ impl Run<'_> {
         if self.is_nearest(done.violation) {
             self.nearest = Some(Nearest {
                 violation: done.violation,
-                point: point.clone(),
-                steps: done.steps.clone(),
-                sequence: candidate.sequence.clone(),
+                motion: Stored {
+                    sequence: candidate.sequence.clone(),
+                    steps: done.steps.clone(),
+                    point: point.clone(),
+                    iterations: done.iterations,
+                    seconds: done.seconds,
+                },
             });
         }
         self.checks.journal.note_coarse(journal::Coarse {
@@ -200,14 +204,17 @@ impl Run<'_> {
     /// Keeps a plan, or the motion that comes nearest to one.
     fn keep(&mut self, number: usize, sequence: Sequence, done: Evaluated) {
         let Some(point) = done.point else { return };
+        let motion = Stored {
+            sequence,
+            steps: done.steps,
+            point,
+            iterations: done.iterations,
+            seconds: done.seconds,
+        };
         let Some(plan) = done.plan else {
             if self.is_nearest(done.violation) {
-                self.nearest = Some(Nearest {
-                    violation: done.violation,
-                    point,
-                    steps: done.steps,
-                    sequence,
-                });
+                let violation = done.violation;
+                self.nearest = Some(Nearest { violation, motion });
             }
             return;
         };
@@ -229,10 +236,7 @@ impl Run<'_> {
         self.diverse.offer(Kept {
             alternative,
             worth,
-            point,
-            steps: done.steps,
-            sequence,
-            seconds: done.seconds,
+            motion,
         });
         let best = self.diverse.best();
         self.tell(&Event::Solution {
@@ -314,21 +318,9 @@ impl Run<'_> {
             refined
         } else {
             self.nearest.take().map(|nearest| {
-                let Nearest {
-                    point,
-                    steps,
-                    sequence,
-                    ..
-                } = nearest;
-                let phases = with_steps(&self.phases(&sequence), &steps);
-                let mut motion = self.shop.restore(&phases, point);
-                motion.feasible = false;
-                Found::of(
-                    self.shop.planner.scene,
-                    &sequence.labels,
-                    &mut motion,
-                    Refined::No,
-                )
+                let mut motion = self.set_up_again(&nearest.motion, false);
+                let labels = &nearest.motion.sequence.labels;
+                Found::of(self.shop.planner.scene, labels, &mut motion, Refined::No)
             })
         };
         let (possible, explained) = self.why(feasible || !wanted, best.is_some());
@@ -397,7 +389,7 @@ impl Run<'_> {
             ..self.request.clone()
         };
         for n in 0..self.diverse.len() {
-            let kept = &self.diverse[n];
+            let kept = &self.diverse[n].motion;
             let phases = with_steps(&self.phases(&kept.sequence), &kept.steps);
             let labels = kept.sequence.labels.clone();
             let mut motion = self.shop.restore_to_refine(&phases, kept.point.clone());
@@ -410,11 +402,7 @@ impl Run<'_> {
             };
             let (mut motion, refined) =
                 refine::refine(planner, &phases, settings, motion, limits, &mut observe);
-            let again = || {
-                let mut motion = self.shop.restore(&phases, kept.point.clone());
-                motion.feasible = true;
-                motion
-            };
+            let again = || self.set_up_again(kept, true);
             let refined = if matches!(refined, Refined::Done { .. }) {
                 let found = Found::of(planner.scene, &labels, &mut motion, refined);
                 let Some(reason) = refine::refusal(&found.plan, settings) else {
@@ -445,14 +433,21 @@ impl Run<'_> {
             if !wanted || as_they_are.iter().any(accepted) {
                 break;
             }
-            let kept = &self.diverse[n];
-            let phases = with_steps(&self.phases(&kept.sequence), &kept.steps);
-            let mut motion = self.shop.restore(&phases, kept.point.clone());
-            motion.feasible = true;
+            let kept = &self.diverse[n].motion;
+            let mut motion = self.set_up_again(kept, true);
             let labels = &kept.sequence.labels;
             as_they_are.push(Found::of(planner.scene, labels, &mut motion, without()));
         }
         self.best_of(as_they_are)
+    }
+
+    /// A motion as it was found.
+    fn set_up_again(&self, stored: &Stored, feasible: bool) -> Motion {
+        let phases = with_steps(&self.phases(&stored.sequence), &stored.steps);
+        let mut motion = self.shop.restore(&phases, stored.point.clone());
+        motion.feasible = feasible;
+        (motion.iterations, motion.seconds) = (stored.iterations, stored.seconds);
+        motion
     }
 }
 
