@@ -230,6 +230,22 @@ struct Ungraspable {
     far: Far,
     /// Grasps that were asked about where nothing but the ground had carried a foot, with how often.
     asked: BTreeMap<ContactState, usize>,
+    anew: Anew,
+}
+
+impl Ungraspable {
+    fn new(domain: &Domain, anew: Anew) -> Self {
+        let far = Far {
+            domain: domain.clone(),
+            needed: 0,
+            asked_anew: 0,
+        };
+        Self {
+            far,
+            asked: BTreeMap::new(),
+            anew,
+        }
+    }
 }
 
 impl Oracle for Ungraspable {
@@ -254,31 +270,43 @@ impl Oracle for Ungraspable {
     }
 
     fn set_anew(&mut self, _states: &[&ContactState], _at: &[usize]) -> Option<Anew> {
-        Some(Anew::Far)
+        Some(self.anew)
     }
 }
 
 #[test]
 fn what_no_step_helps_is_not_asked_again_after_every_step() {
     let domain = climb();
-    let far = Far {
-        domain: domain.clone(),
-        needed: 0,
-        asked_anew: 0,
-    };
-    let mut ungraspable = Ungraspable {
-        far,
-        asked: BTreeMap::new(),
-    };
+    let mut ungraspable = Ungraspable::new(&domain, Anew::Far);
     let mut search = search(&domain, 1);
-    for _ in 0..30 {
+    draw(&mut search, 30, &mut ungraspable);
+    let most = ungraspable.asked.values().max();
+    assert_eq!(most, Some(&2), "{:?}", ungraspable.asked);
+}
+
+#[test]
+fn what_is_missed_by_little_is_asked_ever_more_seldom() {
+    let domain = climb();
+    let mut ungraspable = Ungraspable::new(&domain, Anew::Near);
+    let mut search = search(&domain, 1);
+    let mut asked = [0; 2];
+    for asked in &mut asked {
+        let before: usize = ungraspable.asked.values().sum();
+        draw(&mut search, 100, &mut ungraspable);
+        *asked = ungraspable.asked.values().sum::<usize>() - before;
+    }
+    let [first, then] = asked;
+    assert!(0 < then && then < first, "{asked:?}");
+}
+
+/// So many sequences, of which all are told to be poor.
+fn draw(search: &mut TreeSearch, sequences: usize, ungraspable: &mut Ungraspable) {
+    for _ in 0..sequences {
         let sequence = search
-            .next(&mut ungraspable)
+            .next(ungraspable)
             .expect("there are many without the box");
         search.learn(&sequence.states, 0.3);
     }
-    let most = ungraspable.asked.values().max();
-    assert_eq!(most, Some(&2), "{:?}", ungraspable.asked);
 }
 
 /// Nothing leads up.

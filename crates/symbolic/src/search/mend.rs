@@ -39,9 +39,12 @@ impl Walker {
         }
         let (at, least) = match oracle.set_anew(&states, &stances)? {
             Anew::Possible { at, swings } => (at, swings),
-            Anew::Near => return None,
+            Anew::Near => {
+                self.beyond.note_near(graph, &path);
+                return None;
+            }
             Anew::Far => {
-                self.beyond.note(graph, &path);
+                self.beyond.note_far(graph, &path);
                 return None;
             }
         };
@@ -58,6 +61,7 @@ impl Walker {
                 }
             }
         }
+        self.beyond.note_near(&self.expansion.graph, &path);
         None
     }
 

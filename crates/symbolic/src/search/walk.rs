@@ -183,11 +183,15 @@ impl Walker {
         let mut path = states_along(&walk.edges);
         path.push(next.edge.node.state);
         let graph = &self.expansion.graph;
-        if self.beyond.contains(graph, &path) {
+        if self.beyond.passes_over(graph, &path) {
             self.verdicts.counts.dropped_by_prefix += 1;
             return false;
         }
-        self.verdicts.accepts(graph, &path, oracle)
+        let accepts = self.verdicts.accepts(graph, &path, oracle);
+        if accepts {
+            self.beyond.note_possible(graph, &path);
+        }
+        accepts
     }
 
     /// The walk as a complete sequence.
