@@ -164,10 +164,9 @@ impl Worker<'_> {
                     out.gradient[first + col] += sum.cost_gradient.dot(j);
                 }
                 let cols = &frame.cols[..relative.columns.len()];
-                let hessian = &mut out.hessian[..n * n];
                 frame.pose_hessian(relative, &sum.gradient, &sum.hessian, |k, l, value| {
                     let (i, j) = (first + cols[k], first + cols[l]);
-                    hessian[i.min(j) * n + i.max(j)] += value;
+                    out.hessian[i.min(j) * n + i.max(j)] += value;
                 });
             }
         }

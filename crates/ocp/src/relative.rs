@@ -168,20 +168,14 @@ impl RelativeFrame {
         hessian: &Matrix6<f64>,
         mut add: impl FnMut(usize, usize, f64),
     ) {
-        let columns = &relative.columns[..];
-        for group in &self.groups {
-            let end = group.first + group.count;
-            for l in group.first..end {
-                let column = &columns[l];
-                let own = hessian * column;
-                for (k, other) in (l..end).zip(&columns[l..end]) {
-                    add(k, l, own.dot(other));
-                }
-                // gᵀ[J_l, J_k] = (ad(J_l)ᵀ g)·J_k
-                let later = own + bracket_transpose(column, gradient) * 0.5;
-                for (k, other) in (end..).zip(&columns[end..]) {
-                    add(k, l, later.dot(other));
-                }
+        for (l, (first, &group)) in relative.columns.iter().zip(&self.group_of).enumerate() {
+            let h = hessian * first;
+            // gᵀ[J_l, J_k] = (ad(J_l)ᵀ g)·J_k
+            let bracket = h + bracket_transpose(first, gradient) * 0.5;
+            let later = relative.columns.iter().zip(&self.group_of).enumerate();
+            for (k, (column, &other)) in later.skip(l) {
+                let by = if other == group { &h } else { &bracket };
+                add(k, l, by.dot(column));
             }
         }
     }

@@ -208,21 +208,18 @@ impl SelfPair {
         let poses: Vec<Pose> = (window.iter())
             .map(|k| from_link(k, self.a, self.b))
             .collect();
-        let (centre, radius) = &self.bound;
-        let places: Vec<Vector3<f64>> = poses.iter().map(|x| x.act(*centre)).collect();
-        let is_near = |p: &Vector3<f64>, radius: f64, part: &Part| {
-            part.rough_distance(p) - radius < self.near
+        let near = |(centre, radius): &Ball, part: &Part| {
+            let mut points = poses.iter().map(|x| x.act(*centre));
+            points.any(|p| part.rough_distance(&p) - radius < self.near)
         };
-        let near_all = |part: &&Part| places.iter().any(|p| is_near(p, *radius, part));
-        let mut parts: Vec<Part> = self.parts.iter().filter(near_all).cloned().collect();
-        if parts.is_empty() {
-            return (vec![], parts);
-        }
-        let balls = self.balls.iter().filter(|(centre, radius)| {
-            let mut places = poses.iter().map(|x| x.act(*centre));
-            places.any(|p| parts.iter().any(|part| is_near(&p, *radius, part)))
-        });
-        let mut balls: Vec<Ball> = balls.copied().collect();
+        let parts = self.parts.iter();
+        let parts: Vec<Part> = parts
+            .filter(|part| near(&self.bound, part))
+            .cloned()
+            .collect();
+        let balls = self.balls.iter();
+        let balls = balls.filter(|ball| parts.iter().any(|part| near(ball, part)));
+        let (mut balls, mut parts): (Vec<Ball>, _) = (balls.copied().collect(), parts);
         // points of edges that are inside stand for those of fixed places around them: more of them would make the row say less
         for pose in &poses {
             let [of_a, of_b] = self.edges(pose, 0.0);

@@ -15,13 +15,15 @@
 //! ```
 //!
 //! The shares exp(−d_k/η)/Σ of the pairs that matter are found with the value and kept for the derivatives, Σ share ∇d_k
-//! and Σ share (∇²d_k − ∇d_k ∇d_kᵀ/η) + ∇d ∇dᵀ/η.
+//! and Σ share (∇²d_k − ∇d_k ∇d_kᵀ/η) + ∇d ∇dᵀ/η. Those are summed in the obstacle's axes, as by the motion ρ + ω × arm
+//! of each ball, and turned into those of a at the end.
 //!
 //! Source: ours, in place of the paper's sigmoids (eq. penalties), which exclude nothing.
 
 use super::PoseTerm;
-use super::obstacle::{Curved, LANES, Lanes, act};
 pub use super::obstacle::{EVENNESS, Obstacle, Part};
+use super::obstacle::{LANES, Lanes, act};
+use super::pose_functions::direction_block;
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 use spatial::{Pose, skew};
 use std::sync::Arc;
@@ -123,100 +125,74 @@ impl Nearest {
     }
 }
 
-/// Sums of gradients and Hessians of functions of points that are fixed to a, by the linear and angular motion of a, in its axes.
-///
-/// The point at the end of `arm` moves by ρ + ω × arm + ½ ω × (ρ + ω × arm).
+/// Sums of gradients and Hessians of the balls' distances by the linear and angular motion of a, in the obstacle's axes.
 struct Sums {
-    gradient: [f64; 6],
-    /// Σ c J Jᵀ, a column of the lower triangle each, from an even row on.
-    squares: [[f64; 6]; 6],
-    /// Σ g armᵀ.
-    levers: Matrix3<f64>,
-}
-
-/// Gradient by the motion of a for gradient `g` by the motion of the point at the end of `arm`.
-#[inline]
-fn by_motion(arm: &Vector3<f64>, g: &Vector3<f64>) -> [f64; 6] {
-    let moment = arm.cross(g);
-    [g.x, g.y, g.z, moment.x, moment.y, moment.z]
+    linear: Vector3<f64>,
+    angular: Vector3<f64>,
+    linear_linear: Matrix3<f64>,
+    linear_angular: Matrix3<f64>,
+    angular_angular: Matrix3<f64>,
 }
 
 impl Sums {
     fn new() -> Self {
         Self {
-            gradient: [0.0; 6],
-            squares: [[0.0; 6]; 6],
-            levers: Matrix3::zeros(),
+            linear: Vector3::zeros(),
+            angular: Vector3::zeros(),
+            linear_linear: Matrix3::zeros(),
+            linear_angular: Matrix3::zeros(),
+            angular_angular: Matrix3::zeros(),
         }
     }
 
-    /// c J for the gradient J of a point with gradient `g`.
+    /// Gradient `g` at the end of `arm`, which moves by ρ + ω × arm.
     #[inline]
-    fn add_gradient(&mut self, (arm, g): (&Vector3<f64>, &Vector3<f64>), c: f64) {
-        for (sum, j) in self.gradient.iter_mut().zip(by_motion(arm, g)) {
-            *sum += c * j;
-        }
+    fn add_gradient(&mut self, arm: &Vector3<f64>, g: &Vector3<f64>) {
+        self.linear += g;
+        self.angular += arm.cross(g);
     }
 
-    /// What turning the arm has in the Hessian of a point with gradient c `g`.
+    /// The part of the Hessian −c g gᵀ at the end of `arm`, which moves by ρ + ω × arm.
     #[inline]
-    fn add_lever(&mut self, (arm, g): (&Vector3<f64>, &Vector3<f64>), c: f64) {
-        for i in 0..3 {
-            let scaled = c * arm[i];
-            for j in 0..3 {
-                self.levers[(j, i)] += scaled * g[j];
-            }
-        }
+    fn subtract_square(&mut self, arm: &Vector3<f64>, g: &Vector3<f64>, c: f64) {
+        let (moment, scaled) = (arm.cross(g), g * c);
+        self.linear_linear -= scaled * g.transpose();
+        self.linear_angular -= scaled * moment.transpose();
+        self.angular_angular -= (moment * c) * moment.transpose();
     }
 
-    /// c J Jᵀ for the gradient J of a point with gradient `g`.
-    #[inline]
-    fn add_square(&mut self, (arm, g): (&Vector3<f64>, &Vector3<f64>), c: f64) {
-        let j = by_motion(arm, g);
-        for (k, column) in self.squares.iter_mut().enumerate() {
-            let scaled = c * j[k];
-            for i in k & !1..6 {
-                column[i] += scaled * j[i];
-            }
-        }
+    /// The part of the Hessian `h` at the end of `arm`, which moves by ρ + ω × arm.
+    fn add_hessian(&mut self, arm: &Vector3<f64>, h: &Matrix3<f64>) {
+        self.linear_linear += h;
+        // h [arm]ᵀ and [arm] h [arm]ᵀ: rows, then columns, of cross products.
+        let cross = |i: usize| arm.cross(&h.column(i));
+        let turned = Matrix3::from_columns(&[cross(0), cross(1), cross(2)]);
+        self.linear_angular += turned.transpose();
+        let cross = |i: usize| arm.cross(&turned.row(i).transpose());
+        self.angular_angular += Matrix3::from_columns(&[cross(0), cross(1), cross(2)]);
     }
 
-    /// The same for three points at that place with the axes as gradients.
-    #[inline]
-    fn add_squares_around(&mut self, arm: &Vector3<f64>, c: f64) {
-        let moved = arm * c;
-        let [linear_x, linear_y, linear_z, angular @ ..] = &mut self.squares;
-        linear_x[0] += c;
-        linear_y[1] += c;
-        linear_z[2] += c;
-        // the columns of [arm]
-        linear_x[4] += moved.z;
-        linear_x[5] -= moved.y;
-        linear_y[3] -= moved.z;
-        linear_y[5] += moved.x;
-        linear_z[3] += moved.y;
-        linear_z[4] -= moved.x;
-        let square = moved.dot(arm);
-        for (k, column) in angular.iter_mut().enumerate() {
-            column[3 + k] += square;
-            for i in k..3 {
-                column[3 + i] -= moved[k] * arm[i];
-            }
-        }
+    /// The gradient in the axes of a.
+    fn gradient(&self, obstacle_from_a: &Matrix3<f64>) -> Vector6<f64> {
+        let (v, w) = (
+            obstacle_from_a.tr_mul(&self.linear),
+            obstacle_from_a.tr_mul(&self.angular),
+        );
+        Vector6::new(v.x, v.y, v.z, w.x, w.y, w.z)
     }
 
-    fn hessian(&self) -> Matrix6<f64> {
-        let mut out = Matrix6::from_fn(|i, j| self.squares[i.min(j)][i.max(j)]);
-        let [x, y, z, ..] = self.gradient;
-        let half = skew(&Vector3::new(x, y, z)) * 0.5;
-        let mut upper = out.fixed_view_mut::<3, 3>(0, 3);
-        upper += half;
-        let mut lower = out.fixed_view_mut::<3, 3>(3, 0);
-        lower -= half;
-        let turned = (self.levers + self.levers.transpose()) * 0.5
-            - Matrix3::from_diagonal_element(self.levers.trace());
-        let mut angular = out.fixed_view_mut::<3, 3>(3, 3);
-        angular += turned;
+    /// The Hessian in the axes of a.
+    fn hessian(&self, obstacle_from_a: &Matrix3<f64>) -> Matrix6<f64> {
+        let turned = |m: &Matrix3<f64>| obstacle_from_a.tr_mul(m) * obstacle_from_a;
+        let mixed = turned(&(self.linear_angular + skew(&self.linear) * 0.5));
+        let mut out = Matrix6::zeros();
+        out.fixed_view_mut::<3, 3>(0, 0)
+            .copy_from(&turned(&self.linear_linear));
+        out.fixed_view_mut::<3, 3>(0, 3).copy_from(&mixed);
+        out.fixed_view_mut::<3, 3>(3, 0)
+            .copy_from(&mixed.transpose());
+        out.fixed_view_mut::<3, 3>(3, 3)
+            .copy_from(&turned(&self.angular_angular));
         out
     }
 }
@@ -413,133 +389,29 @@ impl PoseTerm for Distance {
         let curved = weights[0].abs() > 1e-9;
         let mut sums = Sums::new();
         for &Share { ball, part, weight } in &nearest.shares {
-            let arm = &self.balls.all[ball as usize].0;
-            let d = self.obstacle.derivatives(part as usize, &x.act(*arm));
-            let own = |v: &Vector3<f64>| x.rotation().tr_mul(v);
-            let g = own(&d.gradient);
-            sums.add_gradient((arm, &g), weight);
+            let arm = x.rotate(self.balls.all[ball as usize].0);
+            let d = (self.obstacle).derivatives(part as usize, &(arm + x.origin()));
+            let g = d.gradient * weight;
+            sums.add_gradient(&arm, &g);
             if curved {
-                sums.add_lever((arm, &g), weight);
-                sums.add_square((arm, &g), -weight * (d.curb + 1.0 / EVENNESS));
-                match d.curved {
-                    Curved::No => {}
-                    Curved::Around(c) => sums.add_squares_around(arm, weight * c),
-                    Curved::Along(c, axes) => {
-                        for (c, axis) in c.iter().zip(axes.column_iter()) {
-                            if *c > 0.0 {
-                                sums.add_square((arm, &own(&axis.into_owned())), weight * c);
-                            }
-                        }
-                    }
+                // The end of the arm moves by ρ + ω × arm + ½ ω × (ρ + ω × arm).
+                sums.angular_angular += direction_block(&g, &arm);
+                sums.subtract_square(&arm, &d.gradient, weight * (d.curb + 1.0 / EVENNESS));
+                if let Some(h) = d.curved {
+                    sums.add_hessian(&arm, &(h * weight));
                 }
             }
         }
-        let gradient = Vector6::from(sums.gradient);
+        let gradient = sums.gradient(x.rotation());
         gradients[0] = gradient * slope;
         if !curved {
             return Matrix6::zeros();
         }
-        let even = sums.hessian() * slope;
+        let even = sums.hessian(x.rotation()) * slope;
         let square = (gradient * (slope / EVENNESS + bend)) * gradient.transpose();
         (even + square) * weights[0]
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn row(balls: Vec<Ball>, obstacle: Obstacle, pose: &Pose) -> f64 {
-        let term = Distance::new(balls, obstacle, Pose::identity(), 0.0);
-        let mut out = [f64::NAN];
-        term.values(pose, &mut out);
-        out[0]
-    }
-
-    #[test]
-    fn a_ball_over_the_middle_of_a_box_reads_its_gap() {
-        let half = Vector3::new(0.3, 0.2, 0.1);
-        let ball = vec![(Vector3::zeros(), 0.05)];
-        let d = row(
-            ball,
-            Obstacle::Box(half),
-            &Pose::from_translation(0.0, 0.0, 0.2),
-        );
-        assert!((d - 0.05).abs() < 1e-9, "{d}");
-    }
-
-    #[test]
-    fn balls_equally_near_read_a_little_less_and_far_ones_nothing() {
-        let at = |x: f64| (Vector3::new(x, 0.0, 0.0), 0.05);
-        let high = Pose::from_translation(0.0, 0.0, 0.1);
-        let two = row(vec![at(-0.1), at(0.1)], Obstacle::HalfSpace, &high);
-        assert!((two - (0.05 - EVENNESS * 2.0_f64.ln())).abs() < 1e-12);
-        let away = row(
-            vec![at(0.0)],
-            Obstacle::HalfSpace,
-            &Pose::from_translation(0.0, 0.0, 5.0),
-        );
-        assert!((away - 0.09).abs() < 1e-12, "levelled out: {away}");
-        let far = (Vector3::new(0.0, 0.0, 0.5), 0.05);
-        let one = row(vec![at(0.0), far], Obstacle::HalfSpace, &high);
-        assert!((one - 0.05).abs() < 1e-12);
-    }
-
-    /// Against second differences of f(X exp(ξ)).
-    fn assert_hessian(balls: Vec<Ball>, obstacle: Obstacle, pose: &Pose) {
-        let term = Distance::new(balls, obstacle, Pose::identity(), 0.0);
-        let hessian = term.hessian(pose, &[1.0]);
-        let h = 2e-5;
-        let f = |xi: &Vector6<f64>| {
-            let mut out = [f64::NAN];
-            term.values(&(*pose * Pose::exp(xi)), &mut out);
-            out[0]
-        };
-        let e = |i: usize, s: f64| Vector6::from_fn(|k, _| if k == i { s * h } else { 0.0 });
-        for i in 0..6 {
-            for j in 0..6 {
-                let at = |s: f64, t: f64| f(&(e(i, s) + e(j, t)));
-                let found =
-                    (at(1.0, 1.0) - at(1.0, -1.0) - at(-1.0, 1.0) + at(-1.0, -1.0)) / (4.0 * h * h);
-                let off = (hessian[(i, j)] - found).abs();
-                assert!(
-                    off < 1e-5 / EVENNESS,
-                    "{i} {j}: {} {found}",
-                    hessian[(i, j)]
-                );
-            }
-        }
-    }
-
-    #[test]
-    fn second_derivatives_are_those_of_the_value() {
-        let half = Vector3::new(0.1, 0.08, 0.03);
-        let balls = || {
-            vec![
-                (Vector3::new(0.02, -0.03, 0.05), 0.02),
-                (Vector3::new(0.025, 0.03, 0.05), 0.02),
-                (Vector3::new(-0.02, 0.0, 0.05), 0.02),
-            ]
-        };
-        let tilted = Pose::exp(&Vector6::new(0.0, 0.0, 0.0, 0.1, -0.2, 0.3));
-        let over = |x: f64, y: f64, z: f64| Pose::from_translation(x, y, z) * tilted;
-        assert_hessian(balls(), Obstacle::HalfSpace, &over(0.0, 0.0, -0.02));
-        assert_hessian(balls(), Obstacle::Box(half), &over(0.01, 0.0, 0.01));
-        assert_hessian(balls(), Obstacle::Box(half), &over(0.1, 0.07, 0.01));
-        let parts = || {
-            vec![
-                Part::Ball(Vector3::new(0.01, 0.0, 0.02), 0.03),
-                Part::Box(
-                    Pose::exp(&Vector6::new(0.01, 0.0, 0.0, 0.3, 0.1, 0.0)),
-                    half,
-                ),
-            ]
-        };
-        assert_hessian(balls(), Obstacle::Parts(parts()), &over(0.1, 0.07, 0.01));
-        assert_hessian(
-            balls(),
-            Obstacle::Parts(vec![Part::Ball(Vector3::new(0.01, 0.0, 0.02), 0.03)]),
-            &over(0.02, 0.03, 0.03),
-        );
-    }
-}
+mod tests;

@@ -9,7 +9,7 @@
 //! convex and infinitely smooth; exact over faces, at most ε ln 3 too large at a corner, and smaller than the Euclidean
 //! distance around edges by up to (1 − 1/√2) of it, which is the safe side.
 //!
-//! Second derivatives come as S − curb g gᵀ with g the gradient: S is Σ c_i u_i u_iᵀ over the axes u_i of a box, a multiple of the
+//! Second derivatives come as S − curb g gᵀ with g the gradient: S is diagonal in the axes of a box, a multiple of the
 //! identity for a ball; over a plane, as over the middle of a face, there are none.
 //!
 //! Source: ours.
@@ -88,7 +88,7 @@ impl Part {
                 let d = centre_distance(&q);
                 Derivatives {
                     gradient: q / d,
-                    curved: Curved::Around(1.0 / d),
+                    curved: Some(Matrix3::from_diagonal_element(1.0 / d)),
                     curb: 1.0 / d,
                 }
             }
@@ -97,10 +97,7 @@ impl Part {
                 let r = pose.rotation();
                 Derivatives {
                     gradient: r.tr_mul(&of_box.gradient),
-                    curved: match of_box.curved {
-                        Curved::Along(c, _) => Curved::Along(c, r.transpose()),
-                        other => other,
-                    },
+                    curved: of_box.curved.map(|diagonal| r.tr_mul(&diagonal) * r),
                     curb: of_box.curb,
                 }
             }
@@ -108,22 +105,12 @@ impl Part {
     }
 }
 
-/// S in the Hessian S − curb g gᵀ of a distance.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Curved {
-    /// None, over a plane.
-    No,
-    /// So many times the identity.
-    Around(f64),
-    /// c and, as columns, u.
-    Along(Vector3<f64>, Matrix3<f64>),
-}
-
 /// Gradient g of a distance, and its Hessian S − curb g gᵀ.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Derivatives {
     pub gradient: Vector3<f64>,
-    pub curved: Curved,
+    /// S; none over a plane.
+    pub curved: Option<Matrix3<f64>>,
     pub curb: f64,
 }
 
@@ -131,7 +118,7 @@ impl Derivatives {
     fn over_a_plane(gradient: Vector3<f64>) -> Self {
         Self {
             gradient,
-            curved: Curved::No,
+            curved: None,
             curb: 0.0,
         }
     }
@@ -223,7 +210,7 @@ fn box_derivatives(p: &Vector3<f64>, half: &Vector3<f64>) -> Derivatives {
     let diagonal = Vector3::from_fn(|i, _| (weights[i][0] + weights[i][1]) / scale);
     Derivatives {
         gradient,
-        curved: Curved::Along(diagonal, Matrix3::identity()),
+        curved: Some(Matrix3::from_diagonal(&diagonal)),
         curb: 1.0 / SHARPNESS,
     }
 }

@@ -66,7 +66,7 @@ pub fn direction_hessian(x: &Pose, e: &Vector3<f64>, u: &Vector3<f64>) -> Matrix
 }
 
 /// Hessian of u·exp(ω) e by ω at zero.
-fn direction_block(u: &Vector3<f64>, e: &Vector3<f64>) -> Matrix3<f64> {
+pub(super) fn direction_block(u: &Vector3<f64>, e: &Vector3<f64>) -> Matrix3<f64> {
     let outer = u * e.transpose();
     (outer + outer.transpose()) * 0.5 - Matrix3::identity() * u.dot(e)
 }
