@@ -102,7 +102,7 @@ pub fn default_phases(graph: &SkeletonGraph) -> usize {
 pub enum Status {
     /// More may come.
     Running,
-    /// Every sequence within the limits has been returned or rejected.
+    /// Every sequence within the limits has been returned or rejected, or left out by a tree search since steps did not help those like it.
     Exhausted,
     /// Every order of manipulation actions needs contacts that were rejected; steps of the feet do not change that.
     NoSkeleton,

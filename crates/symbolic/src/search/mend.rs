@@ -57,6 +57,7 @@ impl Walker {
                 let order = (0..swings).map(|n| feet[(first + n) % feet.len()]);
                 let mended = self.with_swings(walk, next, at, order);
                 if let Some(mended) = mended.filter(|w| self.is_possible(w, oracle)) {
+                    self.beyond.note_possible(&self.expansion.graph, &path);
                     return Some(mended);
                 }
             }
