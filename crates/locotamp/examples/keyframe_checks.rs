@@ -56,6 +56,7 @@ struct Totals {
     states: Times,
     transitions: Times,
     beginnings: Times,
+    longer: Times,
     sequences: Times,
     checks: usize,
     rejected: usize,
@@ -100,6 +101,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     totals.states.print("states");
     totals.transitions.print("transitions");
     totals.beginnings.print("beginnings");
+    totals.longer.print("beginnings from shorter ones");
     totals.sequences.print("sequences");
     println!(
         "{} checks of sequences not known to be infeasible, {} rejected, of sequences with a plan {}",
@@ -122,6 +124,7 @@ impl Totals {
             return Ok(());
         }
         let mut rejected = Vec::new();
+        let mut known: Option<Vec<Vec<f64>>> = None;
         for k in 0..phases.len() {
             let start = processor_time();
             let found = planner.state(&phases[k].state, &settings);
@@ -146,6 +149,19 @@ impl Totals {
                         .map(|w| (w.label.category, w.label.subject, w.phase, w.amount))
                 ));
             }
+            let shorter = known.take();
+            known = found.possible.then_some(found.nodes);
+            let Some(shorter) = shorter else {
+                continue;
+            };
+            let start = processor_time();
+            let found =
+                planner.keyframes_of_longer(&shorter, &phases[..=k], &settings, &mut || None);
+            if self.longer.add(&found, start) {
+                known = Some(found.nodes);
+            } else {
+                rejected.push(format!("longer beginning of {}", k + 1));
+            }
         }
         let start = processor_time();
         let found = planner.keyframes(phases, &settings);
@@ -155,7 +171,7 @@ impl Totals {
         if infeasible {
             return Ok(());
         }
-        self.checks += 3 * phases.len();
+        self.checks += 4 * phases.len() - 1;
         if !rejected.is_empty() {
             let motion = planner.motion(phases, &settings, &found.nodes, &mut |i| i.number < 100);
             self.rejected += rejected.len();

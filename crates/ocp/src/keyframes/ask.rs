@@ -21,7 +21,7 @@ const ROUNDS: usize = 8;
 const FAR: f64 = 0.2;
 /// Most iterations of a solve; the same from a guess that satisfies everything, where the cost of what is found ranks sequences: 25 to 116
 /// of those that end, but for one of 38 (benches/runs/2026-11-29-walks.md).
-const MOST: usize = 80;
+const MOST: usize = 240;
 const MOST_KNOWN: usize = 160;
 /// Where the latter may end: within a hundredth of the least cost.
 const RANKED: Enough = Enough {
@@ -381,7 +381,7 @@ impl<'a> Ask<'a> {
         for round in 0.. {
             let mut trajectory = Trajectory::new(program);
             let structure = trajectory.structure().clone();
-            let mut stagnation = Stagnation::default();
+            let mut stagnation = Stagnation::of_keyframes();
             let report = InteriorPoint::new(&structure).solve(
                 &mut trajectory,
                 &mut point,
