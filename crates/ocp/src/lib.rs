@@ -3,6 +3,7 @@
 //! Data flow: a [`scene::Scene`] and a sequence of [`Phase`]s become a [`Program`] (which variables and rows exist), a
 //! [`Trajectory`] evaluates it, the solver moves a [`Point`], [`motion`] solves it from keyframes to a checked result.
 
+mod aloft;
 mod balance;
 mod between;
 mod carried;
@@ -18,6 +19,7 @@ mod momentum;
 pub mod motion;
 mod objective;
 mod pace;
+mod packing;
 mod passages;
 mod path;
 mod point;

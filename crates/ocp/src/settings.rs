@@ -257,6 +257,8 @@ pub struct Settings {
     pub between: bool,
     /// Height to which the path between keyframes lifts objects from what they leave or come to [m].
     pub lift: f64,
+    /// Clearance that keyframes keep between objects where the margins ask for less [m]: no motion parts what rests too near.
+    pub objects_apart: f64,
     /// Where keyframes begin with objects that share a support.
     pub arrangement: Arrangement,
     /// How near to a solution a motion ends.
@@ -311,6 +313,7 @@ impl Settings {
             },
             between: preset == Preset::Default,
             lift: LIFT,
+            objects_apart: 0.0,
             arrangement: Arrangement::default(),
             ending: Ending::Exact,
             first_barrier: 0.0,

@@ -68,10 +68,7 @@ mod tests {
     fn keyframes_that_are_nearly_found_have_more_time_than_others_and_than_paths() {
         assert_eq!(end(Stagnation::of_keyframes(), 0.1), 10 + PATIENCE);
         assert_eq!(end(Stagnation::default(), 5e-3), 10 + PATIENCE);
-        assert_eq!(
-            end(Stagnation::of_keyframes(), 5e-3),
-            10 + PATIENCE_NEARLY
-        );
+        assert_eq!(end(Stagnation::of_keyframes(), 5e-3), 10 + PATIENCE_NEARLY);
         assert_eq!(end(Stagnation::of_keyframes(), 5e-5), 1000);
     }
 

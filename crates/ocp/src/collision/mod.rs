@@ -179,6 +179,7 @@ impl CollisionModel {
         };
         model.self_pairs = links::self_pairs(scene, system, &link_shapes);
         model.rows = model.find_rows();
+        model.note_start(scene, system);
         model
     }
 

@@ -11,7 +11,7 @@ use super::{Ball, CollisionModel, Other, Pair, Part, Place, Primitive, Touch, to
 use crate::program::{Grid, Phase, Program};
 use crate::system::System;
 use crate::terms::PoseTerm;
-use crate::terms::distance::{Distance, EVENNESS, Obstacle, bounding_ball};
+use crate::terms::distance::{Distance, EVENNESS, MOST_CLEARANCE, Obstacle, bounding_ball};
 use multibody::Kinematics;
 use scene::{Interface, Owner, Scene};
 use spatial::Pose;
@@ -39,6 +39,8 @@ pub(super) struct Row {
     bound: Option<Ball>,
     /// Distance of bounding balls from which on the row cannot be violated [m].
     blur: f64,
+    /// Are these two objects that stand at the start at least as far from one another as any clearance?
+    begins_apart: bool,
 }
 
 impl CollisionModel {
@@ -74,6 +76,23 @@ impl CollisionModel {
             ));
         }
         out
+    }
+
+    /// Notes which objects are apart at the start: those that are not may stand as near to one another as they do there.
+    pub(super) fn note_start(&mut self, scene: &Scene, system: &System) {
+        let mut kinematics = Kinematics::new(&system.model);
+        kinematics.update(&system.model, &system.start(scene));
+        let objects = system.n_robot_joints..;
+        let both =
+            |row: &Row| objects.contains(&row.a) && row.b.is_some_and(|b| objects.contains(&b));
+        let begins_apart: Vec<bool> = (self.rows.iter())
+            .map(|row| {
+                both(row) && self.distance(row, &kinematics, MOST_CLEARANCE) >= MOST_CLEARANCE
+            })
+            .collect();
+        for (row, apart) in self.rows.iter_mut().zip(begins_apart) {
+            row.begins_apart = apart;
+        }
     }
 
     /// Pairs of bodies whose interfaces could touch.
@@ -202,8 +221,12 @@ impl CollisionModel {
         let wish = match row.pair {
             Err(links) => self.self_pairs[links].clearance(margins.self_clearance),
             Ok(touch) if open && self.touchable.contains(&touch) => return row.clearance,
-            // Objects may stand as near to one another as they do at the start.
-            Ok((a, _)) if a >= program.system.n_robot_joints => return row.clearance,
+            Ok((a, _)) if a >= program.system.n_robot_joints => {
+                if !row.begins_apart {
+                    return row.clearance;
+                }
+                margins.clearance.max(program.settings.objects_apart)
+            }
             Ok((a, other)) => {
                 let beside = |&j: &usize| touching.contains(&(j, other));
                 if self.neighbours[a].iter().any(beside) {
@@ -297,6 +320,7 @@ fn row(
         clearance,
         bound,
         blur: EVENNESS * (pairs as f64).ln(),
+        begins_apart: false,
     }
 }
 

@@ -354,9 +354,10 @@ impl<'a> Ask<'a> {
         outside.solve_at_once(nodes, watched)
     }
 
-    /// The settings with which nothing need be further from another than outside it.
+    /// The settings with which nothing need be further from another than outside it, objects from one another aside.
     fn without_margins(&self) -> Settings {
         let mut settings = self.settings.clone();
+        settings.objects_apart = settings.objects_apart.max(settings.margins.clearance);
         (settings.margins.clearance, settings.margins.self_clearance) = (0.0, 0.0);
         settings
     }

@@ -360,6 +360,47 @@ fn a_box_is_grasped_from_beside_another_that_stands_nearer_than_motions_may_come
     assert!(found.possible, "{:?}", found.worst);
 }
 
+/// Both boxes are to stand side by side on a table that has so much room for the gap between them [m].
+fn side_by_side(gap: f64, margins: Margins) -> bool {
+    let text = Scene::builtin_text("two-box").expect("a built-in scene");
+    let (table, wide) = (
+        "[0.34, 0.70, 0.03]\nposition = [0.45, 0.95,",
+        0.15 + 0.20 + gap,
+    );
+    assert!(text.contains(table));
+    let middle = 0.47 + 0.5 * wide;
+    let narrow = format!("[0.34, {wide}, 0.03]\nposition = [0.45, {middle},");
+    let text = text.replace(table, &narrow);
+    let scene = Scene::from_toml(&text, "narrow.toml", Path::new(".")).expect("a scene");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/sequences");
+    let file = SequenceFile::load(folder.join("tasks/beyond.toml")).expect("a sequence");
+    let sequence = file.resolve(&scene).expect("names of the scene");
+    let phase = |p: &scene::SequencePhase| Phase {
+        state: p.state.clone(),
+        steps: 8,
+    };
+    let phases: Vec<Phase> = sequence.phases.iter().map(phase).collect();
+    let settings = Settings {
+        margins,
+        ..Settings::new(Preset::Default, &scene.optimiser)
+    };
+    let planner = Planner::new(&scene).expect("a model");
+    planner.keyframes(&phases, &settings).possible
+}
+
+/// No motion parts what rests too near: it was tried for half a minute each time.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "slow without optimisation")]
+fn boxes_do_not_rest_nearer_to_one_another_than_motions_may_come() {
+    assert!(side_by_side(0.05, Margins::executable()));
+    assert!(!side_by_side(0.01, Margins::executable()));
+    let touching = Margins {
+        clearance: 0.0,
+        ..Margins::executable()
+    };
+    assert!(side_by_side(0.01, touching));
+}
+
 #[test]
 fn a_robot_that_faces_another_way_goes_on_in_the_same_direction() {
     let (scene, phases, _) = sequence("yardstick/two_box.toml");
