@@ -11,6 +11,8 @@ const PROGRESS: f64 = 0.1;
 const NEARLY: f64 = 1e-2;
 /// The same iterations for these.
 const PATIENCE_NEARLY: usize = 50;
+/// Scaled dual residual from which on they are not: what is left contradicts itself, and multipliers grow (the same record).
+const CONTRADICTORY: f64 = 100.0;
 /// Most iterations of keyframes that are not nearly found.
 const MOST: usize = 80;
 
@@ -40,8 +42,9 @@ impl Stagnation {
             self.best = Some((violation, number));
         }
         let (best, since) = self.best.expect("set above");
-        let nearly = self.waits && best <= NEARLY;
-        let patience = if nearly { PATIENCE_NEARLY } else { PATIENCE };
+        let nearly = best <= NEARLY;
+        let waits = self.waits && nearly && iteration.dual <= CONTRADICTORY;
+        let patience = if waits { PATIENCE_NEARLY } else { PATIENCE };
         let in_time = nearly || !self.waits || number < MOST;
         best <= KEYFRAME_TOLERANCE || number < since + patience && in_time
     }
@@ -52,12 +55,13 @@ mod tests {
     use super::*;
 
     /// The iteration at which a solve ends whose violation falls to some value by the tenth and no further.
-    fn end(mut stagnation: Stagnation, least: f64) -> usize {
+    fn end(mut stagnation: Stagnation, least: f64, dual: f64) -> usize {
         let violation = |number: usize| least.max(0.5 * (least / 0.5).powf(number as f64 / 10.0));
         let ends = |&number: &usize| {
             !stagnation.goes_on(&Iteration {
                 number,
                 violation: violation(number),
+                dual,
                 ..Iteration::default()
             })
         };
@@ -65,11 +69,14 @@ mod tests {
     }
 
     #[test]
-    fn keyframes_that_are_nearly_found_have_more_time_than_others_and_than_paths() {
-        assert_eq!(end(Stagnation::of_keyframes(), 0.1), 10 + PATIENCE);
-        assert_eq!(end(Stagnation::default(), 5e-3), 10 + PATIENCE);
-        assert_eq!(end(Stagnation::of_keyframes(), 5e-3), 10 + PATIENCE_NEARLY);
-        assert_eq!(end(Stagnation::of_keyframes(), 5e-5), 1000);
+    fn keyframes_that_are_nearly_found_have_more_time_than_others_and_than_paths_unless_multipliers_grow()
+     {
+        let keyframes = Stagnation::of_keyframes;
+        assert_eq!(end(keyframes(), 0.1, 1.0), 10 + PATIENCE);
+        assert_eq!(end(Stagnation::default(), 5e-3, 1.0), 10 + PATIENCE);
+        assert_eq!(end(keyframes(), 5e-3, 1.0), 10 + PATIENCE_NEARLY);
+        assert_eq!(end(keyframes(), 5e-3, 1e4), 10 + PATIENCE);
+        assert_eq!(end(keyframes(), 5e-5, 1e4), 1000);
     }
 
     #[test]
