@@ -259,6 +259,9 @@ pub struct Settings {
     pub lift: f64,
     /// Clearance that keyframes keep between objects where the margins ask for less [m]: no motion parts what rests too near.
     pub objects_apart: f64,
+    /// Are keyframes that are nearly found given no more time than others: where many questions near the border of what is possible
+    /// are asked, most of which have no answer.
+    pub hurries: bool,
     /// Where keyframes begin with objects that share a support.
     pub arrangement: Arrangement,
     /// How near to a solution a motion ends.
@@ -314,6 +317,7 @@ impl Settings {
             between: preset == Preset::Default,
             lift: LIFT,
             objects_apart: 0.0,
+            hurries: false,
             arrangement: Arrangement::default(),
             ending: Ending::Exact,
             first_barrier: 0.0,

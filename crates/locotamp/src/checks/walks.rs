@@ -125,14 +125,15 @@ mod tests {
 
     const UNSEEN: &str = "../../benches/unseen/sequences";
 
-    /// A scene with a sequence, whose keyframes are asked for.
-    fn with_walks(name: &str) -> (Option<Keyframes>, Keyframes) {
+    /// A variant of a scene with a sequence, whose keyframes are asked for: by walks, and from nothing.
+    fn with_walks(name: &str, variant: u64) -> (Option<Keyframes>, Keyframes) {
         let path = Path::new(env!("CARGO_MANIFEST_DIR"))
             .join(UNSEEN)
             .join(name);
         let file = scene::SequenceFile::load(&path).expect("a sequence file");
-        let scene = file.load_scene().expect("its scene");
-        let sequence = file.resolve(&scene).expect("a sequence of the scene");
+        let known = file.load_scene().expect("its scene");
+        let sequence = file.resolve(&known).expect("a sequence of the scene");
+        let scene = known.perturbed(&scene::Perturbation::default(), variant);
         let phase = |p: &scene::SequencePhase| Phase {
             state: p.state.clone(),
             steps: p.steps,
@@ -157,14 +158,14 @@ mod tests {
 
     #[test]
     fn what_is_behind_a_walk_around_a_table_is_found_by_flying_there() {
-        let (by_walks, at_once) = with_walks("sort.toml");
+        let (by_walks, at_once) = with_walks("sort.toml", 1);
         assert!(by_walks.is_some_and(|found| found.possible));
         assert!(!at_once.possible);
     }
 
     #[test]
     fn what_is_found_with_fewer_steps_is_found_with_more() {
-        let (by_walks, at_once) = with_walks("skew.toml");
+        let (by_walks, at_once) = with_walks("skew.toml", 6);
         assert!(by_walks.is_some_and(|found| found.possible));
         assert!(!at_once.possible);
     }

@@ -103,6 +103,7 @@ impl<'a> Trials<'a> {
         check_start(scene, &planner).ok()?;
         let mut settings = search::settings_of_one(scene, self.request).ok()?;
         settings.ending = Ending::Exact;
+        settings.hurries = true;
         let mut phases = phases.to_vec();
         if effort == Effort::Coarse {
             settings.max_iterations = settings.max_iterations.min(COARSE_ITERATIONS);

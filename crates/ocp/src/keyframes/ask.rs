@@ -19,9 +19,10 @@ const BESIDE: f64 = 0.6;
 const ROUNDS: usize = 8;
 /// Violation (m, rad) from which no slow attempt is made after two others.
 const FAR: f64 = 0.2;
-/// Most iterations of a solve; the same from a guess that satisfies everything, where the cost of what is found ranks sequences: 25 to 116
+/// Most iterations of a solve; the same in a hurry; the same from a guess that satisfies everything, where the cost of what is found ranks sequences: 25 to 116
 /// of those that end, but for one of 38 (benches/runs/2026-11-29-walks.md).
 const MOST: usize = 240;
+const MOST_HURRIED: usize = 80;
 const MOST_KNOWN: usize = 160;
 /// Where the latter may end: within a hundredth of the least cost.
 const RANKED: Enough = Enough {
@@ -382,7 +383,11 @@ impl<'a> Ask<'a> {
         for round in 0.. {
             let mut trajectory = Trajectory::new(program);
             let structure = trajectory.structure().clone();
-            let mut stagnation = Stagnation::of_keyframes();
+            let mut stagnation = if self.settings.hurries {
+                Stagnation::default()
+            } else {
+                Stagnation::of_keyframes()
+            };
             let report = InteriorPoint::new(&structure).solve(
                 &mut trajectory,
                 &mut point,
@@ -438,6 +443,7 @@ impl<'a> Ask<'a> {
         Options {
             max_iterations: match self.manner {
                 Manner::Known => MOST_KNOWN,
+                _ if self.settings.hurries => MOST_HURRIED,
                 _ => MOST,
             },
             stall_iterations: 25, // cheap, and to refuse a possible sequence is expensive
