@@ -38,7 +38,11 @@ impl Checks<'_> {
     }
 
     /// What the journal knows of a beginning, or else what solving says.
-    fn answered(&mut self, phases: &[Phase], solve: impl FnOnce(&mut Self) -> Keyframes) -> Answer {
+    pub(super) fn answered(
+        &mut self,
+        phases: &[Phase],
+        solve: impl FnOnce(&mut Self) -> Keyframes,
+    ) -> Answer {
         let answer = self.known_or(phases, solve);
         let work = if answer.possible { POSSIBLE } else { REFUSED };
         self.work += work * (phases.len() * phases.len()) as u64;

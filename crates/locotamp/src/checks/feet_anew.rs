@@ -49,6 +49,9 @@ impl Checks<'_> {
         states: &[&ContactState],
         stances: &[usize],
     ) -> Option<Anew> {
+        if self.crowded(states).is_some() {
+            return Some(Anew::Far);
+        }
         let phases: Vec<Phase> = states.iter().map(|&s| self.phase(s.clone())).collect();
         let (guess, all) = match self.anew_in_all(&phases, stances) {
             Ok(found) => found,

@@ -5,6 +5,7 @@
 //! supersets of an impossible one are not. An impossible set is reduced to contacts that are all needed for it to be
 //! impossible, so that one rejection concerns as many states as it can.
 
+mod alone;
 mod beginnings;
 mod feet_anew;
 mod refusals;
@@ -16,6 +17,7 @@ use std::time::Instant;
 use crate::api::{Impossible, Refusal, Stop};
 use crate::journal::{Answer, Journal, States};
 use crate::{summary, weight};
+use alone::Crowded;
 use beginnings::Refused;
 use feet_anew::FeetAnew;
 use ocp::{Keyframes, Phase, Planner, Settings};
@@ -45,6 +47,8 @@ pub(crate) struct Checks<'a> {
     /// The last beginning that setting feet anew made possible.
     anew: Option<FeetAnew>,
     refused: Option<Refused>,
+    /// Beginnings that have no room for the objects.
+    crowded: Vec<Crowded>,
     /// Sets that one configuration satisfies.
     possible: BTreeSet<ContactState>,
     /// Smallest sets that none satisfies.
@@ -81,6 +85,7 @@ impl<'a> Checks<'a> {
             nodes: BTreeMap::new(),
             anew: None,
             refused: None,
+            crowded: Vec::new(),
             possible: BTreeSet::new(),
             impossible: Vec::new(),
             refusals: Refusals {
@@ -290,12 +295,17 @@ impl Oracle for Checks<'_> {
         if !self.is_telling(from, to) {
             return Verdict::Accept;
         }
+        if let Some(reason) = self.crowded(states).map(str::to_owned) {
+            self.refusals.note_beginning(&reason);
+            return Verdict::Reject(reason);
+        }
         let phases: Vec<Phase> = states.iter().map(|&s| self.phase(s.clone())).collect();
         let answer = self.beginning(&phases);
         if answer.possible {
             return Verdict::Accept;
         }
         let reason = answer.reason.unwrap_or_default();
+        self.note_refused(states, &reason);
         self.refusals.note_beginning(&reason);
         Verdict::Reject(reason)
     }
@@ -315,7 +325,7 @@ pub(crate) mod tests {
     use ocp::Preset;
     use symbolic::{ContactType, InterfaceId};
 
-    fn fresh<'a>(planner: &'a Planner<'a>, settings: &'a Settings) -> Checks<'a> {
+    pub fn fresh<'a>(planner: &'a Planner<'a>, settings: &'a Settings) -> Checks<'a> {
         Checks::new(
             (planner, settings, 8),
             (Instant::now(), f64::INFINITY, Stop::default()),
