@@ -13,8 +13,8 @@ const NEARLY: f64 = 1e-2;
 const PATIENCE_NEARLY: usize = 50;
 /// Scaled dual residual from which on they are not: what is left contradicts itself, and multipliers grow (the same record).
 const CONTRADICTORY: f64 = 100.0;
-/// Most iterations of keyframes that are not nearly found.
-const MOST: usize = 80;
+/// Most iterations of keyframes that are not nearly found, or not waited for.
+pub(crate) const MOST_HURRIED: usize = 80;
 
 /// Ends a solve whose violation has stopped falling.
 #[derive(Default)]
@@ -45,7 +45,7 @@ impl Stagnation {
         let nearly = best <= NEARLY;
         let waits = self.waits && nearly && iteration.dual <= CONTRADICTORY;
         let patience = if waits { PATIENCE_NEARLY } else { PATIENCE };
-        let in_time = nearly || !self.waits || number < MOST;
+        let in_time = nearly || !self.waits || number < MOST_HURRIED;
         best <= KEYFRAME_TOLERANCE || number < since + patience && in_time
     }
 }
@@ -90,7 +90,7 @@ mod tests {
                 })
             })
         };
-        assert_eq!(ends(Stagnation::of_keyframes(), 0.5), Some(MOST));
+        assert_eq!(ends(Stagnation::of_keyframes(), 0.5), Some(MOST_HURRIED));
         assert_eq!(ends(Stagnation::default(), 0.5), None);
         // A fifth of it is left by then.
         assert_eq!(ends(Stagnation::of_keyframes(), 0.04), None);

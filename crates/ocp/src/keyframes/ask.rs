@@ -8,7 +8,7 @@ use crate::problem::Trajectory;
 use crate::program::{Grid, Phase, Program};
 use crate::resistance::{pulls, violations, worst_row};
 use crate::settings::{Arrangement, Preset, Settings};
-use crate::stagnation::Stagnation;
+use crate::stagnation::{MOST_HURRIED, Stagnation};
 use solver::{Convexification, Enough, InteriorPoint, Options, Problem};
 
 /// Distance below which pairs get a row in a guess [m].
@@ -19,10 +19,9 @@ const BESIDE: f64 = 0.6;
 const ROUNDS: usize = 8;
 /// Violation (m, rad) from which no slow attempt is made after two others.
 const FAR: f64 = 0.2;
-/// Most iterations of a solve; the same in a hurry; the same from a guess that satisfies everything, where the cost of what is found
+/// Most iterations of a solve; the same from a guess that satisfies everything, where the cost of what is found
 /// ranks sequences: 25 to 116 of those that end, but for one of 38 (benches/runs/2026-11-29-walks.md).
 const MOST: usize = 240;
-const MOST_HURRIED: usize = 80;
 const MOST_KNOWN: usize = 160;
 /// Where the latter may end: within a hundredth of the least cost.
 const RANKED: Enough = Enough {
