@@ -14,6 +14,7 @@ pub(crate) mod samples;
 mod self_pair;
 mod shared;
 mod touches;
+mod under;
 mod watch;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -326,7 +327,7 @@ impl CollisionModel {
         let interface = |i: symbolic::InterfaceId| &scene.interfaces[i.0];
         let contacts = scene.start_contacts.iter();
         contacts
-            .flat_map(|c| touches(system, interface(c.a), interface(c.b)))
+            .flat_map(|c| touches(scene, system, interface(c.a), interface(c.b)))
             .collect()
     }
 }
@@ -334,14 +335,19 @@ impl CollisionModel {
 /// The bodies that a contact brings together.
 fn touches_of(scene: &Scene, system: &System, contact: &Contact) -> Vec<Touch> {
     let [a, b] = [contact.a, contact.b].map(|i| &scene.interfaces[i.0]);
-    touches(system, a, b)
+    touches(scene, system, a, b)
 }
 
-/// The bodies that a contact of `a` on `b` brings together, each way round where both move.
-fn touches(system: &System, a: &Interface, b: &Interface) -> Vec<Touch> {
+/// The bodies that a contact of `a` on `b` brings together, each way round where both move. What stands on a mat is as near to the floor
+/// under it as the mat makes it, so that these count as touching too.
+fn touches(scene: &Scene, system: &System, a: &Interface, b: &Interface) -> Vec<Touch> {
     let body = |i: &Interface| system.carrier(i.owner, &i.body_from_interface).body;
     match (body(a), b.owner, body(b)) {
-        (Body::Joint(j), Owner::Static(s), _) => vec![(j, Err(s))],
+        (Body::Joint(j), Owner::Static(s), _) => {
+            let below = |&o: &usize| o == s || under::is_close_under(b, &scene.statics[o]);
+            let all = (0..scene.statics.len()).filter(below);
+            all.map(|o| (j, Err(o))).collect()
+        }
         (Body::Joint(j), _, Body::Joint(k)) => vec![(j, Ok(k)), (k, Ok(j))],
         _ => vec![],
     }

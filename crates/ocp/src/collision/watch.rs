@@ -105,7 +105,7 @@ impl CollisionModel {
                 .iter()
                 .filter(|b| !on_robot(b) && b.owner != a.owner)
             {
-                out.extend(touches(system, a, b));
+                out.extend(touches(scene, system, a, b));
             }
         }
         out
