@@ -6,10 +6,8 @@
 //! So is one with a serious lapse between its nodes ([`Lapse`]): it will cost about twice as much on the finer grid.
 //!
 //! Where an attempt fails without having cost much, others that do the same there wait behind what promises a little more. So do those
-//! that have a motion on the coarse grid, if another one failed there on the finer grid; and those that carry something as several did
-//! that failed, wherever that was ([`Grasps`]).
+//! that have a motion on the coarse grid, if another one failed there on the finer grid.
 
-use super::grasps::Grasps;
 use super::places::{Place, Places};
 use super::reward::Worth;
 use crate::lapse::Lapse;
@@ -50,7 +48,6 @@ pub(super) struct Growth {
     unheld: BTreeMap<Place, f64>,
     /// Where motions passed on the finer grid.
     held: BTreeSet<Place>,
-    grasps: Grasps,
 }
 
 /// What a motion costs.
@@ -79,10 +76,9 @@ impl Costs {
 
 impl Growth {
     /// Nothing is known of a scene.
-    pub fn new(places: Places, grasps: Grasps, objective: &Objective, least_gain: f64) -> Self {
+    pub fn new(places: Places, objective: &Objective, least_gain: f64) -> Self {
         Self {
             places,
-            grasps,
             least_gain,
             has_reward: *objective != Objective::Time,
             ..Self::default()
@@ -114,9 +110,7 @@ impl Growth {
         self.most_reward = Some(self.most_reward.map_or(gets, |most| most.max(gets)));
         if self.is_strained(costs) {
             self.strained_at(states, costs);
-            self.grasps.failed(states);
         } else {
-            self.grasps.succeeded(states);
             self.usual.push(costs.cost - costs.promise);
             self.passed.extend(self.places.of(states));
         }
@@ -124,7 +118,6 @@ impl Growth {
 
     /// The same of an attempt that ended without one, in phase `worst` (from 0): what is costly and does not even hold says as much.
     pub fn failed(&mut self, states: &[ContactState], costs: &Costs, worst: Option<usize>) {
-        self.grasps.failed(states);
         if self.is_strained(costs) {
             self.strained_at(states, costs);
         } else if let Some(phase) = worst.filter(|&phase| phase < states.len() && !self.has_reward)
@@ -146,7 +139,6 @@ impl Growth {
     /// The same of one that holds.
     pub fn holds(&mut self, states: &[ContactState]) {
         self.held.extend(self.places.of(states));
-        self.grasps.succeeded(states);
     }
 
     /// What a sequence whose coarse motion costs so much is likely to cost: more, where others failed on the finer grid.
@@ -173,19 +165,13 @@ impl Growth {
     }
 
     /// What a motion is likely to cost: as much more than promised as half of those that are not strained did, and what a step adds
-    /// that is known to be strained, or at which others failed, or a grasp in which they did.
+    /// that is known to be strained, or at which others failed.
     pub fn expected(&self, states: &[ContactState], promise: f64) -> f64 {
         let places = self.places.of(states);
-        let doubts = if self.has_reward {
-            0
-        } else {
-            self.grasps.doubts(states)
-        };
         let more = [
             most(&places, &self.strained, &self.passed),
             most(&places, &self.doubtful, &self.passed),
             most(&places, &self.unheld, &self.held),
-            DOUBT * promise.max(LEAST_PROMISE) * doubts as f64,
         ];
         promise + self.usual() + more.into_iter().fold(0.0, f64::max)
     }
@@ -287,12 +273,7 @@ mod tests {
 
     #[test]
     fn a_lapse_strains_a_motion_and_those_that_do_the_same_there_whatever_the_scene_rewards() {
-        let mut growth = Growth::new(
-            Places::default(),
-            Grasps::default(),
-            &Objective::BaseHeight,
-            7.0,
-        );
+        let mut growth = Growth::new(Places::default(), &Objective::BaseHeight, 7.0);
         let lunge = lapsed(-1300.0, -10.0, 2);
         growth.found(&sequence(&[7, 1, 2, 3]), &lunge);
         assert_eq!(growth.expected(&sequence(&[1, 2, 3, 4]), -1300.0), -1230.0);
@@ -308,7 +289,7 @@ mod tests {
     #[test]
     fn what_costs_as_promised_is_likely_and_where_the_scene_rewards_something_what_has_a_slight_lapse()
      {
-        let of = |objective| Growth::new(Places::default(), Grasps::default(), &objective, 7.0);
+        let of = |objective| Growth::new(Places::default(), &objective, 7.0);
         let (time, height) = (of(Objective::Time), of(Objective::BaseHeight));
         let (cheap, dear) = (costs(20.0, 27.0, 0), costs(20.0, 29.0, 0));
         assert!(time.is_likely(&cheap) && !time.is_likely(&dear));
@@ -325,12 +306,7 @@ mod tests {
 
     #[test]
     fn what_gets_much_less_than_another_motion_is_not_likely() {
-        let mut growth = Growth::new(
-            Places::default(),
-            Grasps::default(),
-            &Objective::BaseHeight,
-            7.0,
-        );
+        let mut growth = Growth::new(Places::default(), &Objective::BaseHeight, 7.0);
         let with_reward = |reward| Costs {
             effort: 20.0,
             ..costs(0.0, 20.0 - reward, 0)
@@ -344,7 +320,7 @@ mod tests {
 
     #[test]
     fn cost_strains_nothing_where_the_scene_rewards_something() {
-        let of = |objective| Growth::new(Places::default(), Grasps::default(), &objective, 7.0);
+        let of = |objective| Growth::new(Places::default(), &objective, 7.0);
         let (time, height) = (of(Objective::Time), of(Objective::BaseHeight));
         let strains = |growth: &Growth, promise, cost| growth.is_strained(&costs(promise, cost, 0));
         assert!(strains(&time, 20.0, 41.0) && !strains(&time, 20.0, 39.0));

@@ -10,7 +10,6 @@
 mod candidate;
 mod diverse;
 mod failures;
-mod grasps;
 mod growth;
 mod more_steps;
 mod order;
@@ -38,7 +37,6 @@ use crate::{departures, domain};
 use candidate::{Candidate, Work};
 use diverse::{Diverse, Kept, Stored};
 use failures::Failures;
-use grasps::Grasps;
 use growth::Growth;
 use more_steps::Longer;
 use ocp::{Ending, Integrator, Phase, Planner, Preset, Relative, Settings, Sticking};
@@ -157,12 +155,7 @@ pub fn plan(
             submitted: 0,
             waiting: vec![],
             moved: 0,
-            growth: Growth::new(
-                Places::new(resting(scene)),
-                Grasps::new(scene),
-                &scene.objective,
-                least_gain,
-            ),
+            growth: Growth::new(Places::new(resting(scene)), &scene.objective, least_gain),
             clock: 0,
             under_way: UnderWay::default(),
             lost: false,

@@ -33,6 +33,51 @@ fn a_long_sequence_has_keyframes_beginning_by_beginning() {
     assert!(end.contains(&"goal".into()), "{end:?}");
 }
 
+/// The ground under the mat is nearer to the sole than swinging feet keep from it.
+#[test]
+fn a_robot_steps_onto_a_mat_that_is_thinner_than_feet_swing_high() {
+    for height in [0.01, 0.02, 0.04] {
+        let scene = format!(
+            "name = 'mat'\nrobot = 'g1'\n[[static]]\nname = 'ground'\nplane = true\n\
+             [[static]]\nname = 'mat'\nsize = [0.6, 0.8, {height}]\nposition = [0.6, 0.0, {}]\n\
+             [goal]\ncontacts = [['left_foot', 'mat_top'], ['right_foot', 'mat_top']]\n",
+            0.5 * height
+        );
+        let here = Path::new("");
+        let scene = Scene::from_toml(&scene, "mat.toml", here).expect("a scene");
+        let phase = |left: &str, right: &str| {
+            let feet = [("left_foot", left), ("right_foot", right)];
+            let stand = feet.iter().filter(|(_, surface)| !surface.is_empty());
+            let pairs: Vec<_> = stand
+                .map(|(foot, on)| format!("['{foot}', '{on}']"))
+                .collect();
+            format!("[[phase]]\ncontacts = [{}]\n", pairs.join(", "))
+        };
+        let (ground, mat) = ("ground_top", "mat_top");
+        let phases = [
+            (ground, ground),
+            ("", ground),
+            (mat, ground),
+            (mat, ""),
+            (mat, mat),
+        ];
+        let phases: String = phases
+            .iter()
+            .map(|(left, right)| phase(left, right))
+            .collect();
+        let text = format!("steps = 8\n{phases}");
+        let file = SequenceFile::from_toml(&text, "steps.toml", here).expect("a sequence file");
+        let sequence = file.resolve(&scene).expect("a sequence of the scene");
+        let request = Request {
+            explain: false,
+            refinement: None,
+            ..Request::default()
+        };
+        let solved = solve(&scene, &sequence, &request, &mut |_| true).expect("a problem");
+        assert!(solved.feasible, "{height} m: {:?}", solved.reason);
+    }
+}
+
 /// Configurations of the robot at the phase boundaries of a plan.
 fn boundaries(plan: &plan::Plan) -> Vec<Vec<f64>> {
     let mut node = 0;
