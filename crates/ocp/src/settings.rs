@@ -1,5 +1,7 @@
 //! Options of the trajectory problem in one place: preset, weights, margins, bounds.
 
+use std::collections::BTreeMap;
+
 /// Which problem is solved (formulation 2.14).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Preset {
@@ -255,8 +257,9 @@ pub struct Settings {
     /// Are collisions between the nodes of a motion repaired; not on a coarse grid that a finer one follows, whose nodes lie
     /// there.
     pub between: bool,
-    /// Height to which the path between keyframes lifts objects from what they leave or come to [m].
-    pub lift: f64,
+    /// Phases, from 0, in which the path between keyframes lifts objects and feet high over what they leave or come to, with
+    /// configurations at both ends that tell where that is.
+    pub lifts: BTreeMap<usize, [Vec<f64>; 2]>,
     /// Clearance that keyframes keep between objects where the margins ask for less [m]: no motion parts what rests too near.
     pub objects_apart: f64,
     /// Are keyframes that are nearly found given no more time than others: where many questions near the border of what is possible
@@ -285,8 +288,6 @@ pub const NEARLY_SOLVED: f64 = 3e-3;
 /// Longest interval of a coarse motion of the preset `default` [s]: what explicit Euler does with longer ones is no motion of a
 /// robot. Refinement lets phases grow that this keeps short.
 const LONGEST_STEP: f64 = 0.15;
-/// Height to which paths lift objects [m].
-const LIFT: f64 = 0.05;
 /// Barrier parameter of the preset `default`.
 const BARRIER: f64 = 3e-4;
 /// Barrier parameter of the preset `paper`: costs up to 0.1 % above the optimum, for a quarter fewer iterations
@@ -315,7 +316,7 @@ impl Settings {
                 Margins::none()
             },
             between: preset == Preset::Default,
-            lift: LIFT,
+            lifts: BTreeMap::new(),
             objects_apart: 0.0,
             hurries: false,
             arrangement: Arrangement::default(),

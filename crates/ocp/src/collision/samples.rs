@@ -24,17 +24,22 @@ impl Sequence {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/sequences");
         let file = SequenceFile::load(folder.join(name)).unwrap();
         let scene = file.load_scene().unwrap();
+        Self::of(scene, &file)
+    }
+
+    /// In a scene, from the text of a file.
+    pub fn in_scene(scene: Scene, text: &str) -> Self {
+        let file = SequenceFile::from_toml(text, "sequence.toml", Path::new(".")).unwrap();
+        Self::of(scene, &file)
+    }
+
+    fn of(scene: Scene, file: &SequenceFile) -> Self {
         let phase = |p: &SequencePhase| Phase {
             state: p.state.clone(),
             steps: p.steps,
         };
-        let phases = file
-            .resolve(&scene)
-            .unwrap()
-            .phases
-            .iter()
-            .map(phase)
-            .collect();
+        let sequence = file.resolve(&scene).unwrap();
+        let phases = sequence.phases.iter().map(phase).collect();
         Self { scene, phases }
     }
 

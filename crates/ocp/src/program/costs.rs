@@ -12,18 +12,20 @@ use crate::resting;
 use crate::settings::Preset;
 use crate::terms::{PoseTerm, approach::Approach, height::Height, tilt::Tilt};
 use crate::turn::turn_onto;
-use multibody::WeightedPoint;
+use multibody::{Kinematics, WeightedPoint};
 use nalgebra::Vector3;
 use scene::{Objective, Role};
 use spatial::Pose;
 use std::ops::Range;
-use symbolic::Contact;
+use symbolic::{Contact, InterfaceId};
 
 use super::{Grid, Phase};
 
 /// Distance from its next or last contact that a hand has a step away from it, and anything else between [m].
 const HAND_APPROACH: f64 = 0.08;
 const LIFT: f64 = 0.05;
+/// The same of feet and objects in a phase in which something is in the way [m].
+const HIGH: f64 = 0.3;
 /// Weight of the approach [1/m²].
 const APPROACH: f64 = 200.0;
 /// Weights of the place of a carried object [1/m²] and of its tilt, beside a posture weight of 0.05 per rad².
@@ -200,7 +202,7 @@ impl Builder<'_> {
                 let slot = p.nodes[t].slot(frame);
                 let approach = Approach {
                     distance: 0.0,
-                    centred: t < settles || !comes_along,
+                    above: (t < settles || !comes_along).then_some([0.0; 2]),
                 };
                 let terms: [(Arc<dyn PoseTerm>, f64); 2] =
                     [(Arc::new(approach), CARRY), (Arc::new(Tilt), CARRY_UPRIGHT)];
@@ -308,23 +310,26 @@ impl Builder<'_> {
         for (k, phase) in phases.iter().enumerate() {
             let end = first + phase.steps;
             let neighbours = [
-                (k.checked_sub(1), first + 1),
-                ((k + 1 < phases.len()).then_some(k + 1), end - 1),
+                (k.checked_sub(1), first + 1, 0),
+                ((k + 1 < phases.len()).then_some(k + 1), end - 1, 1),
             ];
-            for (neighbour, next_to_it) in neighbours {
+            for (neighbour, next_to_it, side) in neighbours {
                 let Some(neighbour) = neighbour else { continue };
                 let apart = phases[neighbour].state.contacts.iter();
                 for &contact in apart.filter(|c| !phase.state.contains(c)) {
-                    let role = self.scene.interfaces[contact.a.0].role;
-                    let hand = role == Role::Hand;
-                    let distance = match role {
-                        Role::Hand => HAND_APPROACH,
-                        Role::Foot => LIFT,
-                        Role::Surface => self.program.settings.lift,
+                    let hand = self.scene.interfaces[contact.a.0].role == Role::Hand;
+                    let lifts = self.program.settings.lifts.get(&k).filter(|_| !hand);
+                    let distance = match lifts {
+                        _ if hand => HAND_APPROACH,
+                        Some(_) => HIGH,
+                        None => LIFT,
                     };
+                    let place = lifts.map(|ends| self.place_of(contact, &ends[side]));
+                    let place = place.or(hand.then_some([0.0; 2]));
                     let frame = self.contact_frame(contact);
                     for t in first + 1..end {
-                        if hand && t != next_to_it {
+                        let is_next = t == next_to_it;
+                        if hand && !is_next {
                             continue;
                         }
                         let slot = self.program.nodes[t].slot(frame);
@@ -332,7 +337,7 @@ impl Builder<'_> {
                             slot,
                             term: Arc::new(Approach {
                                 distance,
-                                centred: hand,
+                                above: place.filter(|_| is_next),
                             }),
                             weights: vec![APPROACH],
                             kind: CostTerm::Guide,
@@ -342,6 +347,20 @@ impl Builder<'_> {
             }
             first = end;
         }
+    }
+
+    /// Where on its surface b the origin of a contact's interface a is at a configuration [m].
+    fn place_of(&self, contact: Contact, q: &[f64]) -> [f64; 2] {
+        let system = &self.program.system;
+        let mut kinematics = Kinematics::new(&system.model);
+        kinematics.update(&system.model, q);
+        let world_from = |i: InterfaceId| {
+            let interface = &self.scene.interfaces[i.0];
+            let carrier = system.carrier(interface.owner, &interface.body_from_interface);
+            carrier.world_from_frame(&kinematics)
+        };
+        let place = (world_from(contact.b).inverse() * world_from(contact.a)).origin();
+        [place.x, place.y]
     }
 }
 

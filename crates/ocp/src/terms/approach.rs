@@ -1,7 +1,7 @@
 //! Approach cost: an interface that is about to touch, or has just let go, keeps off the other surface along its normal.
 //!
-//! With p = ʲr_i and the wanted distance h: ½ max(0, h − p_z)² for what lands, and for hands half the squared
-//! distance from the point above the place of contact, ½ ((p_z − h)² + p_x² + p_y²).
+//! With p = ʲr_i and the wanted distance h: ½ max(0, h − p_z)² for what lands, and for what is led to the place of contact c, as hands
+//! are, half the squared distance from the point above it, ½ ((p_z − h)² + (p_x − c_x)² + (p_y − c_y)²).
 //!
 //! Source: ours; shapes the path that guides the optimiser, no part of its problem.
 
@@ -15,18 +15,17 @@ use spatial::Pose;
 pub struct Approach {
     /// Wanted distance h [m].
     pub distance: f64,
-    /// True to come to the point at that distance, false to stay beyond the plane.
-    pub centred: bool,
+    /// Place of contact c above which to come to that distance [m]; `None` to stay beyond the plane.
+    pub above: Option<[f64; 2]>,
 }
 
 impl Approach {
     /// Difference to what is wanted, in axes of b.
     fn difference(&self, p: &Vector3<f64>) -> Vector3<f64> {
         let z = p.z - self.distance;
-        if self.centred {
-            Vector3::new(p.x, p.y, z)
-        } else {
-            Vector3::new(0.0, 0.0, z.min(0.0))
+        match self.above {
+            Some([x, y]) => Vector3::new(p.x - x, p.y - y, z),
+            None => Vector3::new(0.0, 0.0, z.min(0.0)),
         }
     }
 }
@@ -50,7 +49,7 @@ impl PoseTerm for Approach {
     }
     fn hessian(&self, b_from_a: &Pose, weights: &[f64]) -> Matrix6<f64> {
         let difference = self.difference(&b_from_a.origin());
-        let counts = if self.centred {
+        let counts = if self.above.is_some() {
             Vector3::repeat(1.0)
         } else {
             Vector3::new(0.0, 0.0, if difference.z < 0.0 { 1.0 } else { 0.0 })
@@ -71,7 +70,7 @@ mod tests {
         let mut out = [f64::NAN];
         let lands = Approach {
             distance: 0.05,
-            centred: false,
+            above: None,
         };
         lands.values(&high, &mut out);
         assert!(out[0].abs() < 1e-15);
@@ -79,9 +78,15 @@ mod tests {
         assert!((out[0] - 0.5 * 0.05 * 0.05).abs() < 1e-15);
         let reaches = Approach {
             distance: 0.2,
-            centred: true,
+            above: Some([0.0, 0.0]),
         };
         reaches.values(&high, &mut out);
         assert!((out[0] - 0.005).abs() < 1e-15);
+        let beside = Approach {
+            above: Some([0.1, 0.2]),
+            ..reaches
+        };
+        beside.values(&high, &mut out);
+        assert!((out[0] - 0.02).abs() < 1e-15);
     }
 }

@@ -71,11 +71,11 @@ pub fn pose_terms() -> Vec<Box<dyn PoseTerm>> {
         Box::new(sigmoid(Obstacle::HalfSpace)),
         Box::new(Approach {
             distance: 0.06,
-            centred: true,
+            above: Some([0.02, -0.03]),
         }),
         Box::new(Approach {
             distance: 3.0,
-            centred: false,
+            above: None,
         }),
         Box::new(Heading { half_width: 0.4 }),
         Box::new(TiltLimit { max: 0.3 }),
