@@ -165,7 +165,7 @@ mod tests {
 
     #[test]
     fn what_is_found_with_fewer_steps_is_found_with_more() {
-        let (by_walks, at_once) = with_walks("skew.toml", 2);
+        let (by_walks, at_once) = with_walks("skew.toml", 6);
         assert!(by_walks.is_some_and(|found| found.possible));
         assert!(!at_once.possible);
     }

@@ -277,8 +277,8 @@ fn the_best_of_many_sequences_costs_no_more_than_the_first_and_is_the_same_for_a
 fn long_strides_get_more_steps_than_were_drawn_and_the_journal_knows_which() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("journal.jsonl");
-    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../benches/unseen");
-    let scene = Scene::load(scenes.join("beam-far.toml")).expect("a scene");
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+    let scene = Scene::load(scenes.join("carry-away.toml")).expect("a scene");
     let with = |resume| {
         let request = Request {
             solutions: 1,
