@@ -111,7 +111,9 @@ pub fn draft(description: &Path, folder: &Path, wishes: &Wishes) -> Result<Draft
         hands: hands_at(home::WAYS[0]),
     };
     let mut q = posture.solve(&first).0;
-    if posture.stand(&q).com[1].abs() > ASIDE {
+    // Legs that are mirror images do not do where their soles, or masses, are not.
+    let stand = posture.stand(&q);
+    if stand.com[1].abs() > ASIDE || stand.tilt > STANDS.0 || stand.uneven > STANDS.1 {
         posture = Posture::new(&bodies, &parts.heading, soles, limbs, true);
         q = posture.solve(&first).0;
     }

@@ -127,6 +127,45 @@ fn left_and_right_are_mirror_images() {
 }
 
 #[test]
+fn a_robot_stands_on_soles_that_are_not_quite_mirror_images() {
+    let lower = |line: &str| {
+        if line.starts_with("<link name=\"right_foot\"") {
+            line.replace("-0.06\"", "-0.063\"")
+        } else {
+            line.to_owned()
+        }
+    };
+    let urdf: String = Biped::default().urdf().lines().map(lower).collect();
+    let (draft, scene) = drafted(&urdf, &Wishes::default()).unwrap();
+    assert_stands(&scene);
+    let knee = |name: &str| {
+        let joint = scene.robot.model.joint_id(name).expect("a joint");
+        scene.robot.home[joint - 1]
+    };
+    let apart = (knee("left_knee") - knee("right_knee")).abs();
+    assert!(apart > 1e-3, "{}", draft.text);
+}
+
+#[test]
+fn knees_are_bent_below_hips_with_inclined_axes() {
+    let incline = |line: &str| {
+        if line.contains("name=\"left_hip_pitch\"") {
+            line.replace("axis xyz=\"0 1 0\"", "axis xyz=\"0 0.82 0.57\"")
+        } else if line.contains("name=\"right_hip_pitch\"") {
+            line.replace("axis xyz=\"0 1 0\"", "axis xyz=\"0 0.82 -0.57\"")
+        } else {
+            line.to_owned()
+        }
+    };
+    let urdf: String = Biped::default().urdf().lines().map(incline).collect();
+    assert!(urdf.contains("0 0.82 -0.57"));
+    let (draft, scene) = drafted(&urdf, &Wishes::default()).unwrap();
+    assert_stands(&scene);
+    let found = draft.found.join("\n");
+    assert!(found.contains("Knees are bent"), "{found}");
+}
+
+#[test]
 fn hands_are_before_the_body_and_palms_face_each_other() {
     for urdf in [g1(), Biped::default().urdf()] {
         let (draft, scene) = drafted(&urdf, &Wishes::default()).unwrap();

@@ -29,6 +29,7 @@ pub use watch::Watched;
 
 use crate::program::{Grid, Phase, Program};
 use crate::relative::{Body, Carrier, RelativeFrame};
+use crate::settings::Integrator;
 use crate::system::System;
 use crate::terms::distance::{Ball, Obstacle, Part, bounding_ball};
 use multibody::Kinematics;
@@ -230,11 +231,15 @@ impl CollisionModel {
         points
     }
 
-    /// Contacts that bind one of the two intervals at a node.
+    /// Contacts that bind one of the two intervals at a node, and those whose bodies cannot have moved since then or until then: what
+    /// is at rest at a node is where it was before with semi-implicit Euler, and where it will be with explicit Euler.
     fn contacts_at(program: &Program, phases: &[Phase], t: usize) -> impl Iterator<Item = Contact> {
-        let n = program.n_intervals();
-        let reach = if program.grid == Grid::Motion { 2 } else { 1 };
-        let intervals = t.saturating_sub(reach)..=t.min(n - 1);
+        let (before, after) = match (program.grid, program.settings.integrator) {
+            (Grid::Motion, Integrator::SemiImplicitEuler) => (1, 1),
+            (Grid::Motion, _) => (2, 0),
+            _ => (1, 0),
+        };
+        let intervals = t.saturating_sub(before)..=(t + after).min(program.n_intervals() - 1);
         intervals.flat_map(|i| phases[program.phase_of(i)].state.iter())
     }
 
