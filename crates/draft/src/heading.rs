@@ -14,8 +14,8 @@ const SOLE: f64 = 0.01;
 const LONGER: f64 = 0.08;
 /// Knees tell it if they bend this many times as far one way as the other.
 const FARTHER: f64 = 2.0;
-/// Cosine of the angle to the left up to which a joint counts as one of pitch: axes of hips may be inclined by 35°.
-const PITCH: f64 = 0.75;
+/// Cosine of the angle to the left up to which a joint counts as one of pitch: axes of hips may be inclined by 45°.
+const PITCH: f64 = 0.65;
 
 /// An axis of the base that points forward.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

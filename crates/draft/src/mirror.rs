@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 /// How far a joint may be from the mirror image of its counterpart [m].
 const PLACE: f64 = 0.02;
 /// By which share masses of counterparts may differ, and by how much at least [kg].
-const MASS: (f64, f64) = (0.1, 0.05);
+const MASS: (f64, f64) = (0.1, 0.1);
 /// The ends of two limbs are at least so far apart [m].
 const APART: f64 = 0.03;
 /// Cosine of the angle up to which joint axes count as mirror images.

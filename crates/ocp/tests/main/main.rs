@@ -2,6 +2,7 @@
 mod derivatives;
 mod fine_grids;
 mod idle;
+mod integrators;
 mod keyframes;
 mod paper;
 mod rests;
