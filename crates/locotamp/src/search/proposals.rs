@@ -32,7 +32,7 @@ const DRAWING: u64 = 1000;
 const MOST_DRAWING: u64 = 12_000;
 /// What keyframes of a sequence count as, and what a round of more steps adds that was found for it, over the square of its phases:
 /// about the work that is done in the same time on one motion.
-const KEYFRAMES: u64 = 1;
+const KEYFRAMES: u64 = 2;
 const MORE_STEPS: u64 = 6;
 /// The same for the path between keyframes, from which a motion on the coarse grid begins.
 const PATH: u64 = 9;
@@ -45,6 +45,8 @@ const STRAIN: f64 = 16.0;
 const EASY_LEAN: f64 = 0.28;
 const MOST_LEAN: f64 = 4.0;
 const LEAN: f64 = 30.0;
+/// Weight of the centre of mass over the feet [1/m²] in keyframes from which others begin ([`Run::from_balanced`]).
+const BALANCED: f64 = 10.0;
 /// What a phase in flight adds: as much as six foot swings, like [`symbolic::Costs`]. Keyframes see none of what a jump takes.
 const FLIGHT: f64 = 18.0;
 /// Height by which a motion may end above its keyframes [m]: those are near the home posture at the end, motions stretch.
@@ -266,11 +268,33 @@ impl Run<'_> {
             self.leave_out(number, sequence, Reached::Keyframes, reason, clock);
             return None;
         }
-        if let Some(reason) = self.too_low(&keyframes.nodes) {
+        let promise = self.promise(&phases, &keyframes);
+        let balanced = self.from_balanced(&phases);
+        let less = balanced.filter(|(other, _)| *other < promise);
+        let (promise, nodes) = less.unwrap_or((promise, keyframes.nodes));
+        if let Some(reason) = self.too_low(&nodes) {
             self.leave_out(number, sequence, Reached::Keyframes, Some(reason), clock);
             return None;
         }
-        Some((self.promise(&phases, &keyframes), keyframes.nodes))
+        Some((promise, nodes))
+    }
+
+    /// What keyframes promise that begin from others in which the centre of mass is drawn over the feet more, found from the sequence
+    /// alone, and these; `None` if there are none. Those that grew with the sequence often end in worse local minima
+    /// (benches/runs/2026-11-30-drafted-robots.md).
+    fn from_balanced(&self, phases: &[Phase]) -> Option<(f64, Vec<Vec<f64>>)> {
+        let (planner, settings) = (self.shop.planner, self.shop.settings);
+        if settings.weights.balance <= 0.0 {
+            return None;
+        }
+        let mut balanced = settings.clone();
+        balanced.weights.balance = BALANCED;
+        let found = planner.keyframes_at_once(phases, &balanced);
+        let near = found
+            .possible
+            .then(|| planner.keyframes_at(&found.nodes, phases, settings))??;
+        near.possible
+            .then(|| (self.promise(phases, &near), near.nodes))
     }
 
     /// The cost that keyframes promise.
