@@ -45,7 +45,7 @@ const STRAIN: f64 = 16.0;
 const EASY_LEAN: f64 = 0.28;
 const MOST_LEAN: f64 = 4.0;
 const LEAN: f64 = 30.0;
-/// Weight of the centre of mass over the feet [1/m²] in keyframes from which others begin ([`Run::from_balanced`]).
+/// Weight of the centre of mass over the feet [1/m²] in keyframes from which others begin ([`Run::promise_from_balanced`]).
 const BALANCED: f64 = 10.0;
 /// What a phase in flight adds: as much as six foot swings, like [`symbolic::Costs`]. Keyframes see none of what a jump takes.
 const FLIGHT: f64 = 18.0;
@@ -269,7 +269,7 @@ impl Run<'_> {
             return None;
         }
         let promise = self.promise(&phases, &keyframes);
-        let balanced = self.from_balanced(&phases);
+        let balanced = self.promise_from_balanced(&phases);
         let less = balanced.filter(|(other, _)| *other < promise);
         let (promise, nodes) = less.unwrap_or((promise, keyframes.nodes));
         if let Some(reason) = self.too_low(&nodes) {
@@ -282,7 +282,7 @@ impl Run<'_> {
     /// What keyframes promise that begin from others in which the centre of mass is drawn over the feet more, found from the sequence
     /// alone, and these; `None` if there are none. Those that grew with the sequence often end in worse local minima
     /// (benches/runs/2026-11-30-drafted-robots.md).
-    fn from_balanced(&self, phases: &[Phase]) -> Option<(f64, Vec<Vec<f64>>)> {
+    fn promise_from_balanced(&self, phases: &[Phase]) -> Option<(f64, Vec<Vec<f64>>)> {
         let (planner, settings) = (self.shop.planner, self.shop.settings);
         if settings.weights.balance <= 0.0 {
             return None;
