@@ -281,7 +281,7 @@ impl Run<'_> {
 
     /// What keyframes promise that begin from others in which the centre of mass is drawn over the feet more, found from the sequence
     /// alone, and these; `None` if there are none. Those that grew with the sequence often end in worse local minima
-    /// (benches/runs/2026-11-30-drafted-robots.md).
+    /// (benches/runs/2026-11-30-two-beginnings.md).
     fn promise_from_balanced(&self, phases: &[Phase]) -> Option<(f64, Vec<Vec<f64>>)> {
         let (planner, settings) = (self.shop.planner, self.shop.settings);
         if settings.weights.balance <= 0.0 {
