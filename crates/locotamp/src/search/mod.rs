@@ -56,6 +56,8 @@ const FIRST: usize = 2;
 /// Weight of the centre of mass over the feet in keyframes [1/m²]: it ranks sequences, and leads fewer beginnings into local
 /// minima (benches/runs/2026-11-22-balance.md, 2026-11-30-hurdles.md).
 const BALANCE: f64 = 2.0;
+/// The same in keyframes from which others begin, in case these promise less ([`Run::promise_from_balanced`]).
+const BALANCED: f64 = 10.0;
 /// Largest share of the time limit that the search may use once there is a plan; the rest is for refining it.
 const SEARCH_SHARE: f64 = 0.9;
 /// Time that refining a plan is expected to take, in that of its motion and per interval: 0.14 to 0.85 in 39 runs, half of them below

@@ -45,8 +45,6 @@ const STRAIN: f64 = 16.0;
 const EASY_LEAN: f64 = 0.28;
 const MOST_LEAN: f64 = 4.0;
 const LEAN: f64 = 30.0;
-/// Weight of the centre of mass over the feet [1/m²] in keyframes from which others begin ([`Run::promise_from_balanced`]).
-const BALANCED: f64 = 10.0;
 /// What a phase in flight adds: as much as six foot swings, like [`symbolic::Costs`]. Keyframes see none of what a jump takes.
 const FLIGHT: f64 = 18.0;
 /// Height by which a motion may end above its keyframes [m]: those are near the home posture at the end, motions stretch.
@@ -288,7 +286,7 @@ impl Run<'_> {
             return None;
         }
         let mut balanced = settings.clone();
-        balanced.weights.balance = BALANCED;
+        balanced.weights.balance = super::BALANCED;
         let found = planner.keyframes_at_once(phases, &balanced);
         let near = found
             .possible
