@@ -126,16 +126,27 @@ fn left_and_right_are_mirror_images() {
     }
 }
 
+/// The biped's URDF with `from` replaced by `to` in the line that begins so.
+fn edited(edits: &[[&str; 3]]) -> String {
+    let mut urdf = Biped::default().urdf();
+    for [begin, from, to] in edits {
+        let edit = |line: &str| {
+            if line.starts_with(begin) {
+                line.replace(from, to)
+            } else {
+                line.to_owned()
+            }
+        };
+        let after: String = urdf.lines().map(|line| edit(line) + "\n").collect();
+        assert_ne!(after, urdf, "{begin} {from}");
+        urdf = after;
+    }
+    urdf
+}
+
 #[test]
 fn a_robot_stands_on_soles_that_are_not_quite_mirror_images() {
-    let lower = |line: &str| {
-        if line.starts_with("<link name=\"right_foot\"") {
-            line.replace("-0.06\"", "-0.063\"")
-        } else {
-            line.to_owned()
-        }
-    };
-    let urdf: String = Biped::default().urdf().lines().map(lower).collect();
+    let urdf = edited(&[["<link name=\"right_foot\"", "-0.06\"", "-0.063\""]]);
     let (draft, scene) = drafted(&urdf, &Wishes::default()).unwrap();
     assert_stands(&scene);
     let knee = |name: &str| {
@@ -148,21 +159,31 @@ fn a_robot_stands_on_soles_that_are_not_quite_mirror_images() {
 
 #[test]
 fn knees_are_bent_below_hips_with_inclined_axes() {
-    let incline = |line: &str| {
-        if line.contains("name=\"left_hip_pitch\"") {
-            line.replace("axis xyz=\"0 1 0\"", "axis xyz=\"0 0.82 0.57\"")
-        } else if line.contains("name=\"right_hip_pitch\"") {
-            line.replace("axis xyz=\"0 1 0\"", "axis xyz=\"0 0.82 -0.57\"")
-        } else {
-            line.to_owned()
-        }
-    };
-    let urdf: String = Biped::default().urdf().lines().map(incline).collect();
-    assert!(urdf.contains("0 0.82 -0.57"));
+    let urdf = edited(&[
+        ["<joint name=\"left_hip_pitch\"", "0 1 0", "0 0.71 0.7"],
+        ["<joint name=\"right_hip_pitch\"", "0 1 0", "0 0.71 -0.7"],
+    ]);
     let (draft, scene) = drafted(&urdf, &Wishes::default()).unwrap();
     assert_stands(&scene);
     let found = draft.found.join("\n");
     assert!(found.contains("Knees are bent"), "{found}");
+}
+
+#[test]
+fn feet_below_ankles_whose_masses_differ_are_found() {
+    let urdf = edited(&[[
+        "<link name=\"left_ankle\"",
+        "mass value=\"0.3\"",
+        "mass value=\"0.22\"",
+    ]]);
+    let (draft, scene) = drafted(&urdf, &Wishes::default()).unwrap();
+    assert_stands(&scene);
+    assert_eq!(
+        interface(&scene, "left_foot").0,
+        "left_foot",
+        "{}",
+        draft.text
+    );
 }
 
 #[test]
