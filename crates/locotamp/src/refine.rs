@@ -105,8 +105,21 @@ fn on_grid(
         ..settings.clone()
     };
     let mut goes_on = nearly_there(most);
-    let mut watch = |i: &Iteration| watch(i) & goes_on((i.number, i.violation));
-    planner.refine(phases, &settings, coarse, grid, &mut watch)
+    let (mut is_stopped, mut is_given_up) = (false, false);
+    let mut watch = |i: &Iteration| {
+        is_stopped |= !watch(i);
+        is_given_up |= !goes_on((i.number, i.violation));
+        !is_stopped && !is_given_up
+    };
+    let mut fine = planner.refine(phases, &settings, coarse, grid, &mut watch);
+    if is_given_up && !is_stopped {
+        fine.report.status = if fine.iterations < most {
+            solver::Status::Stalled
+        } else {
+            solver::Status::IterationLimit
+        };
+    }
+    fine
 }
 
 /// Does a motion go on, told its violation after each iteration of a solve: as long as that falls now and then, and beyond `most` if it

@@ -111,12 +111,13 @@ pub fn solve(
         possible: keyframes.possible,
         reason: solved.reason.clone(),
     });
-    let case = |failed| Case {
+    let case = |failed, falls_short| Case {
         scene,
         phases: &phases,
         labels: &labels,
         request,
         is_quick: false,
+        falls_short,
         failed,
     };
     if keyframes.possible && !stopped {
@@ -152,9 +153,9 @@ pub fn solve(
             cost: motion.report.objective,
             reason: solved.reason.clone(),
         });
-        // On the coarse grid, where trials are made, nothing resists then.
-        if request.explain && !motion.feasible && !ended_early && !falls_short {
-            solved.explanation = Some(explain(&case(Failed::Motion(&motion)), begin, observe));
+        if request.explain && !motion.feasible && !ended_early {
+            let case = case(Failed::Motion(&motion), falls_short);
+            solved.explanation = Some(explain(&case, begin, observe));
         }
         let (mut motion, refined) = refine::refine(
             &planner,
@@ -168,7 +169,7 @@ pub fn solve(
         found.plan.explanation.clone_from(&solved.explanation);
         solved.best = Some(found);
     } else if request.explain && !stopped {
-        let case = case(Failed::Keyframes(&keyframes));
+        let case = case(Failed::Keyframes(&keyframes), false);
         solved.explanation = Some(explain(&case, begin, observe));
     }
     solved.seconds = begin.elapsed().as_secs_f64();

@@ -52,6 +52,8 @@ pub(crate) struct Case<'a> {
     pub request: &'a Request,
     /// Keyframes of trials are sought from the sequence alone, not as searches find them.
     pub is_quick: bool,
+    /// Only the grid on which a motion must hold has none.
+    pub falls_short: bool,
     pub failed: Failed<'a>,
 }
 
@@ -146,7 +148,7 @@ pub(crate) fn explain(
         complete: !trials.stopped,
         text: String::new(),
     };
-    explanation.text = words::text(&explanation) + &words::falling(case);
+    explanation.text = words::text(&explanation, case.falls_short) + &words::falling(case);
     explanation
 }
 
@@ -201,16 +203,20 @@ struct Search<'a, 'b> {
 }
 
 impl Search<'_, '_> {
-    /// Tries numbers until enough help.
+    /// Tries numbers until enough help: those of forces and times before those of geometry, but where few can be tried by what they pull.
     fn run(&mut self, stage: FailedStage) {
         let (scene, phases) = (self.case.scene, self.case.phases);
         if stage == FailedStage::Motion {
             let mut groups = candidates::of_motion(scene, phases, self.pulls);
+            if self.case.falls_short {
+                let knobs = candidates::of_geometry(scene, phases, self.pulls);
+                groups.extend(knobs.into_iter().map(|knob| vec![knob]));
+            }
             groups.sort_by(|a, b| self.relevance(b).total_cmp(&self.relevance(a)));
             for group in groups {
                 self.group(group);
             }
-            if !self.found.is_empty() {
+            if !self.found.is_empty() || self.case.falls_short {
                 return;
             }
         }

@@ -8,6 +8,8 @@ use scene::Scene;
 
 /// Sizes of the changes by which a value goes further when the full problem refuses it.
 const FURTHER: [f64; 4] = [0.0, 0.05, 0.15, 0.5];
+/// Values between a refused and an accepted one that are tried where trials are few.
+const MOST_HALVINGS: usize = 3;
 /// Overloaded joints that are tried alone.
 const MOST_JOINTS: usize = 3;
 
@@ -47,6 +49,9 @@ pub(super) fn find(
     for &direction in knob.directions() {
         let ladder = knob.ladder(scene, direction);
         let mut ladder: Vec<f64> = ladder.iter().map(|s| knob.rounded(*s, direction)).collect();
+        if trials.are_few() && ladder.len() > 1 {
+            ladder = ladder.into_iter().skip(1).step_by(2).collect();
+        }
         let mut refused = from;
         if guide == Effort::Keyframes {
             let Some(ends) = climb(trials, scene, knob, guide, (from, &ladder)) else {
@@ -104,7 +109,15 @@ fn narrow(
     (mut refused, mut accepted): (f64, f64),
     mut known: Success,
 ) -> ([f64; 2], Success) {
-    while let Some(middle) = knob.between(refused, accepted) {
+    let most = if trials.are_few() {
+        MOST_HALVINGS
+    } else {
+        usize::MAX
+    };
+    for _ in 0..most {
+        let Some(middle) = knob.between(refused, accepted) else {
+            break;
+        };
         if trials.stopped {
             break;
         }

@@ -16,11 +16,16 @@ const COARSE_STEPS: usize = 6;
 /// Most iterations of such a trial: those that succeed take 20 to 140, rounds of repair included.
 const COARSE_ITERATIONS: usize = 200;
 
+/// Most trials where only the finer grid has no motion: each takes as long as solving anew.
+const MOST_HELD: usize = 16;
+
 /// Runs trials and counts them.
 pub(super) struct Trials<'a> {
     phases: &'a [Phase],
     request: &'a Request,
     is_quick: bool,
+    /// Only the grid on which a motion must hold has none: every trial of a motion is of full effort.
+    must_hold: bool,
     begin: Instant,
     observe: &'a mut dyn FnMut(&Event) -> bool,
     /// What is being tried, for the observer.
@@ -55,12 +60,18 @@ impl<'a> Trials<'a> {
             phases: case.phases,
             request: case.request,
             is_quick: case.is_quick,
+            must_hold: case.falls_short,
             begin,
             observe,
             doing: String::new(),
             solves: 0,
             stopped: false,
         }
+    }
+
+    /// True if there are few trials, so that none may be wasted.
+    pub fn are_few(&self) -> bool {
+        self.must_hold
     }
 
     /// Is the sequence feasible in this scene.
@@ -95,10 +106,15 @@ impl<'a> Trials<'a> {
         effort: Effort,
         near: Option<&Motion>,
     ) -> Option<Success> {
+        self.stopped |= self.must_hold && self.solves == MOST_HELD;
         if !self.go_on(0) {
             return None;
         }
         self.solves += 1;
+        let (effort, near) = match effort {
+            Effort::Coarse if self.must_hold => (Effort::Full, None),
+            _ => (effort, near),
+        };
         let planner = Planner::new(scene).ok()?;
         check_start(scene, &planner).ok()?;
         let mut settings = search::settings_of_one(scene, self.request).ok()?;

@@ -258,13 +258,16 @@ pub(super) fn cause(case: &Case, phase: usize, found: &Found) -> Obstacle {
     }
 }
 
-/// All of an explanation in a few lines, each ending with a line break.
-pub(super) fn text(e: &Explanation) -> String {
+/// All of an explanation in a few lines, each ending with a line break. Does only the grid on which a motion must hold have none.
+pub(super) fn text(e: &Explanation, falls_short: bool) -> String {
     let mut text = String::new();
     let what = match e.stage {
         FailedStage::Contradiction => "Bounds contradict each other",
         FailedStage::Keyframes => {
             "There is no configuration that meets contacts, joint ranges, clearances and goal"
+        }
+        FailedStage::Motion if falls_short => {
+            "There are configurations for every phase, but no motion through them was found that holds between coarse nodes"
         }
         FailedStage::Motion => {
             "There are configurations for every phase, but no motion through them was found"

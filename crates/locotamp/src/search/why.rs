@@ -83,6 +83,7 @@ impl Run<'_> {
             labels: &sequence.labels,
             request: &request,
             is_quick: true,
+            falls_short: false,
             failed: Failed::Keyframes(&keyframes),
         };
         let stop = &self.request.stop;

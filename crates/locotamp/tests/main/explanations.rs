@@ -14,6 +14,8 @@ struct Problem {
     sequence: String,
     /// Robot file and URDF, if they are not the built-in ones.
     robot: Option<[String; 2]>,
+    /// Is a motion asked for that can be refined.
+    is_refined: bool,
 }
 
 fn repository(path: &str) -> String {
@@ -33,7 +35,13 @@ impl Problem {
             scene: repository(&format!("scenes/{scene}.toml")),
             sequence: repository(&format!("scenes/sequences/{sequence}.toml")),
             robot: None,
+            is_refined: false,
         }
+    }
+
+    fn refined(mut self) -> Self {
+        self.is_refined = true;
+        self
     }
 
     /// The leg that can push with 60 N.
@@ -85,7 +93,7 @@ impl Problem {
         let sequence = file.resolve(&scene).unwrap();
         let request = Request {
             explain,
-            refinement: None, // only coarse motions are explained
+            refinement: self.is_refined.then(ocp::Refinement::default),
             ..Request::default()
         };
         solve(&scene, &sequence, &request, &mut |_| true).unwrap()
@@ -175,6 +183,27 @@ fn a_phase_that_is_too_short_is_told_its_time() {
     check(&problem, &expected, |problem, to| {
         problem.scene("max_duration = 0.05", &format!("max_duration = {to}"))
     });
+}
+
+#[test]
+fn a_motion_that_does_not_hold_between_coarse_nodes_is_told_what_would_make_it_hold() {
+    let hurry = "[optimiser]\nmin_duration = 0.1\nmax_duration = 0.3\n\n[objective]";
+    let leg = rising_leg("0.42").urdf("effort=\"500\"", "effort=\"108\"");
+    let problem = leg.scene("[objective]", hurry);
+    let problem = problem.sequence("expect = ", "steps = 2\nexpect = ");
+    assert!(problem.solve(false).feasible, "with two long steps");
+    let expected = Expected {
+        phase: 1,
+        group: "duration",
+        subject: "all phases",
+        range: 0.35..=0.6,
+    };
+    check(&problem.clone().refined(), &expected, |problem, to| {
+        problem.scene("max_duration = 0.3", &format!("max_duration = {to}"))
+    });
+    let explanation = problem.refined().solve(true).explanation;
+    let text = explanation.expect("an explanation").text;
+    assert!(text.contains("that holds between coarse nodes"), "{text}");
 }
 
 #[test]
