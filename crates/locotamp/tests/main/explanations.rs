@@ -194,16 +194,17 @@ fn a_motion_that_does_not_hold_between_coarse_nodes_is_told_what_would_make_it_h
     assert!(problem.solve(false).feasible, "with two long steps");
     let expected = Expected {
         phase: 1,
-        group: "duration",
-        subject: "all phases",
-        range: 0.35..=0.6,
+        group: "goal",
+        subject: "base",
+        range: 0.36..=0.41,
     };
     check(&problem.clone().refined(), &expected, |problem, to| {
-        problem.scene("max_duration = 0.3", &format!("max_duration = {to}"))
+        problem.sequence("z = [0.42,", &format!("z = [{to},"))
     });
     let explanation = problem.refined().solve(true).explanation;
     let text = explanation.expect("an explanation").text;
     assert!(text.contains("that holds between coarse nodes"), "{text}");
+    assert!(text.contains("raise the longest phase"), "{text}");
 }
 
 #[test]

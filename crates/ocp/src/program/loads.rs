@@ -110,12 +110,7 @@ impl Builder<'_> {
         let here = 0.5 * (along[t] + along[t + 1]);
         let n = p.n_intervals();
         let active = |t: usize| phases[p.phase_of(t)].state.contains(&contact);
-        let flies = |t: usize| {
-            let mut contacts = phases[p.phase_of(t)].state.contacts.iter();
-            let owner = |i: InterfaceId| self.scene.interfaces[i.0].owner;
-            let robot = |i| matches!(owner(i), Owner::Robot { .. });
-            !contacts.any(|c| robot(c.a) || robot(c.b))
-        };
+        let flies = |t: usize| self.flies(&phases[p.phase_of(t)].state);
         let came = (1..=t).rev().find(|&i| !active(i - 1));
         let came = came.filter(|&i| !flies(i - 1));
         let goes = (t + 1..n).find(|&i| !active(i));
@@ -134,6 +129,13 @@ impl Builder<'_> {
         let ramp = p.settings.margins.ramp * if p.is_fine() { FINE_RAMP } else { 1.0 };
         let share = apart / ramp.min(longest);
         if share < 1.0 { share } else { 1.0 }
+    }
+
+    /// Does the robot touch nothing.
+    fn flies(&self, state: &ContactState) -> bool {
+        let owner = |i: InterfaceId| self.scene.interfaces[i.0].owner;
+        let robot = |i| matches!(owner(i), Owner::Robot { .. });
+        !state.iter().any(|c| robot(c.a) || robot(c.b))
     }
 
     /// Weight of what a foot's load differs from an equal share: little at the moments at which a foot lands or leaves, so that nobody
@@ -183,15 +185,19 @@ impl Builder<'_> {
         until < time && self.begins_with_landing(k + 1, phases)
     }
 
-    /// Marks the intervals of fine grids before which a foot has landed, or after which one lands.
+    /// Marks the intervals of fine grids before which a foot has landed, or after which one lands, but not around a flight: there the base
+    /// falls.
     pub(super) fn around_landings(&mut self, phases: &[Phase]) {
         for t in 0..self.program.intervals.len() {
             let p = &self.program;
             let k = p.phase_of(t);
             let begin: usize = p.steps[..k].iter().sum();
             let since = p.settings.max_step * ((t - begin) as f64 + 0.5);
-            let after = since < AFTER_LANDING && self.begins_with_landing(k, phases);
-            if self.program.is_fine() && (after || self.before_landing(t, phases)) {
+            let after = since < AFTER_LANDING
+                && self.begins_with_landing(k, phases)
+                && !self.flies(&phases[k - 1].state);
+            let before = self.before_landing(t, phases) && !self.flies(&phases[k].state);
+            if self.program.is_fine() && (after || before) {
                 self.program.intervals[t].stage = Stage::Landing;
             }
         }
@@ -255,5 +261,37 @@ impl Builder<'_> {
         } else {
             0.0
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Refinement;
+    use crate::collision::samples::Sequence;
+    use crate::collision::{Clearances, Watched};
+    use crate::motion::Planner;
+    use crate::program::Grid;
+    use crate::settings::{Preset, Settings};
+
+    /// How many intervals of a fine grid are around a landing.
+    fn around_landings(sequence: &str) -> usize {
+        let Sequence { scene, phases } = Sequence::with_steps(sequence, 50);
+        let planner = Planner::new(&scene).unwrap();
+        let coarse = Settings::new(Preset::Default, &scene.optimiser);
+        let settings = Refinement::default().settings(&coarse);
+        let nothing = Watched::new();
+        let clearances = Clearances::Watched(&nothing);
+        let program = planner.program(&phases, &settings, Grid::Motion, clearances);
+        assert!(program.is_fine());
+        let all = program.intervals.iter();
+        all.filter(|interval| interval.stage == Stage::Landing)
+            .count()
+    }
+
+    #[test]
+    fn the_base_may_fall_before_and_after_the_landing_of_a_jump_but_not_of_a_step() {
+        assert!(around_landings("flat/forward_2.toml") > 0);
+        assert_eq!(around_landings("flat/jump.toml"), 0);
     }
 }
