@@ -258,7 +258,7 @@ pub(super) fn cause(case: &Case, phase: usize, found: &Found) -> Obstacle {
     }
 }
 
-/// All of an explanation in a few lines, each ending with a line break. Does only the grid on which a motion must hold have none.
+/// All of an explanation in a few lines, each ending with a line break; `falls_short` if only the grid on which a motion must hold has none.
 pub(super) fn text(e: &Explanation, falls_short: bool) -> String {
     let mut text = String::new();
     let what = match e.stage {
