@@ -47,7 +47,7 @@ const GOOD: Enough = Enough {
 };
 /// Barrier parameter at which one may end, in the smallest one, where that is larger.
 const NEAR_BARRIER: f64 = 1.5;
-/// Iterations that stand still within thirty times that (a third of what the checker allows) before they count as one.
+/// Iterations that stand still within ten times that (a tenth of what the checker allows) before they count as one.
 const STILL_ITERATIONS: usize = 10;
 /// Complementarity products and dual residual at the solution of a barrier problem: the products come to about the barrier
 /// parameter, and the last Newton steps, which make the rows hold, leave far smaller residuals.

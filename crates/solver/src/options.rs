@@ -96,7 +96,7 @@ impl Default for Options {
         Self {
             max_iterations: 200,
             feasibility_tolerance: 1e-7,
-            acceptable_tolerance: 3e-5,
+            acceptable_tolerance: 1e-5,
             acceptable_iterations: 0,
             dual_tolerance: 1e-4,
             complementarity_tolerance: 1e-4,

@@ -108,7 +108,7 @@ impl Builder<'_> {
             let duration = duration(&self.program, phase.steps);
             let share = (SHARE * phase.steps as f64).ceil() as usize;
             let within = ((BESIDE / dt) as usize).min(share).min(phase.steps - 1);
-            let stands = phase.state.iter().any(|c| self.bears(c));
+            let stands = !self.flies(&phase.state);
             let neighbours = [
                 (k.checked_sub(1), false),
                 ((k + 1 < phases.len()).then_some(k + 1), true),
@@ -225,7 +225,7 @@ impl Builder<'_> {
     }
 
     /// Does a contact bear the robot: a foot on anything, or another end-effector on something fixed.
-    fn bears(&self, contact: Contact) -> bool {
+    pub(super) fn bears(&self, contact: Contact) -> bool {
         let [a, b] = [contact.a, contact.b].map(|i| &self.scene.interfaces[i.0]);
         let robot = matches!(a.owner, Owner::Robot { .. });
         robot && (a.role == Role::Foot || matches!(b.owner, Owner::Static(_)))

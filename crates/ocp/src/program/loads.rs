@@ -131,11 +131,9 @@ impl Builder<'_> {
         if share < 1.0 { share } else { 1.0 }
     }
 
-    /// Does the robot touch nothing.
-    fn flies(&self, state: &ContactState) -> bool {
-        let owner = |i: InterfaceId| self.scene.interfaces[i.0].owner;
-        let robot = |i| matches!(owner(i), Owner::Robot { .. });
-        !state.iter().any(|c| robot(c.a) || robot(c.b))
+    /// Does nothing bear the robot, whatever it carries.
+    pub(super) fn flies(&self, state: &ContactState) -> bool {
+        !state.iter().any(|c| self.bears(c))
     }
 
     /// Weight of what a foot's load differs from an equal share: little at the moments at which a foot lands or leaves, so that nobody

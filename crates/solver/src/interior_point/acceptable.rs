@@ -67,13 +67,13 @@ mod tests {
     #[test]
     fn a_still_objective_and_a_small_violation_for_ten_iterations_are_enough() {
         assert_eq!(ends((0..30).map(|_| (2e-6, 200.0))), Some(9));
-        assert_eq!(ends((0..30).map(|_| (5e-5, 200.0))), None, "too large");
+        assert_eq!(ends((0..30).map(|_| (2e-5, 200.0))), None, "too large");
         assert_eq!(
             ends((0..30).map(|i| (2e-6, 200.0 - f64::from(i)))),
             None,
             "still falling"
         );
-        let once = |i| if i == 5 { 5e-5 } else { 2e-6 };
+        let once = |i| if i == 5 { 2e-5 } else { 2e-6 };
         assert_eq!(ends((0..30).map(|i| (once(i), 200.0))), Some(15));
     }
 }
