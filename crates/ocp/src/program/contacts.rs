@@ -74,11 +74,15 @@ impl Builder<'_> {
                 && (before || (t > 1 && binds(phases, &self.program, contact, t - 2)))
                 && self.is_settled(contact, t);
             if (here || before) && !known && self.program.nodes[t].var.is_some() {
-                self.contact_rows(t, t, contact, frame);
+                let told = self.told(phases, contact, t);
+                self.contact_rows(t, t, contact, frame, told.place);
+                if told.rest {
+                    self.touch_rows(t, contact, frame);
+                }
             }
             // The last keyframe has no element of its own; its rows sit in the last one.
             if keyframes && t + 1 == n && here {
-                self.contact_rows(t, t + 1, contact, frame);
+                self.contact_rows(t, t + 1, contact, frame, true);
             }
             let by_velocity = !keyframes && self.program.settings.sticking == Sticking::Velocity;
             let is_new = here && !before && !self.is_at_rest(contact, t);
@@ -90,7 +94,8 @@ impl Builder<'_> {
             if p.grid == Grid::State || self.is_settled(contact, t + 1) {
                 continue;
             }
-            if here && p.nodes[t + 1].var.is_some() && p.moves(t) {
+            let told = self.told(phases, contact, t + 1);
+            if here && told.place && p.nodes[t + 1].var.is_some() && p.moves(t) {
                 if by_velocity {
                     self.slip_rows(t, contact, frame);
                     continue;
@@ -184,17 +189,27 @@ impl Builder<'_> {
         std::array::from_fn(|i| room[2 * i].min(room[2 * i + 1]) - PLAY)
     }
 
-    /// Height, alignment or half space, and bounds of one contact at a node.
-    fn contact_rows(&mut self, element: usize, node: usize, contact: Contact, frame: usize) {
+    /// Height and alignment, if they are to be told, or half space, and bounds of one contact at a node.
+    fn contact_rows(
+        &mut self,
+        element: usize,
+        node: usize,
+        contact: Contact,
+        frame: usize,
+        told: bool,
+    ) {
         let (a, b) = (
             &self.scene.interfaces[contact.a.0],
             &self.scene.interfaces[contact.b.0],
         );
-        let mut terms: Vec<Arc<dyn PoseTerm>> = vec![Arc::new(Height)];
-        if contact.kind.is_patch() {
-            terms.push(Arc::new(Alignment));
-        } else {
+        let mut terms: Vec<Arc<dyn PoseTerm>> = vec![];
+        if told {
+            terms.push(Arc::new(Height));
+        }
+        if !contact.kind.is_patch() {
             terms.push(Arc::new(HalfSpace { limb: a.limb }));
+        } else if told {
+            terms.push(Arc::new(Alignment));
         }
         if let Some(half_b) = b.half_size {
             let margin = self.program.settings.margins.bounds;

@@ -20,6 +20,7 @@ pub(crate) mod integrator;
 mod interval;
 mod label;
 pub(crate) mod landing;
+mod lasting;
 mod layout;
 mod loads;
 mod node;
