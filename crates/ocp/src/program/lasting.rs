@@ -4,8 +4,8 @@
 //! multipliers of these rows alternate from node to node, with an amplitude of 2 g / dt² all the way back from where g, the price of
 //! the acceleration along them, changes abruptly, as before a flight; and the curvature of the rows alternates with them. So
 //! every so many intervals begin anew: the node after the last of them says both where the contact is and that it is at rest there, the
-//! node after the first says neither and is off by what one interval's curvature makes of it. As many rows as before. Only in sequences
-//! with a flight: others take as many iterations either way.
+//! node after the first says neither and is off by what one interval's curvature makes of it. As many rows as before, one fewer at the
+//! end of a motion, where rest is known. Only in sequences with a flight: others take as many iterations either way.
 //!
 //! Source: ours; benches/runs/2026-12-01-lasting-contacts.md.
 
@@ -100,6 +100,9 @@ mod tests {
         assert_eq!(distance[..=10], [0, 0, 1, 0, 1, 1, 1, 0, 1, 1, 1]);
         let velocity = rows("flat/jump.toml", "contact velocity", 0.02);
         assert_eq!(velocity[..=10], [0, 0, 6, 0, 0, 0, 6, 0, 0, 0, 6]);
+        // Those of the last one begin at node 20; nodes 29 and 30 are known to be at rest.
+        assert_eq!(distance[20..], [1, 0, 1, 0, 1, 1, 1, 0, 1, 1]);
+        assert_eq!(velocity[20..], [6, 0, 6, 0, 0, 0, 6, 0, 0, 0]);
     }
 
     #[test]
