@@ -11,6 +11,7 @@ use multibody::Kinematics;
 use nalgebra::Vector3;
 use scene::{Owner, Role, Scene};
 use spatial::Pose;
+use std::collections::BTreeSet;
 use symbolic::{Contact, InterfaceId};
 
 /// First guess of a phase's duration at least [s], and of how fast the base moves [m/s] and turns, and joints turn [rad/s], in the
@@ -256,13 +257,13 @@ pub fn point(program: &Program, scene: &Scene, mut nodes: Vec<Vec<f64>>) -> Poin
     let longest = program.settings.max_duration.max(shortest);
     let durations = match program.grid {
         crate::Grid::Motion => {
-            let flights = flights(program, scene);
-            let is_flight = |k: usize| flights.get(k) == Some(&true);
+            let is_flight = |k: usize| program.flies.get(k) == Some(&true);
             let push = |k: usize| k > 0 && (is_flight(k) || is_flight(k + 1));
             let unhurried = unhurried(program, &nodes);
-            let durations = (0..flights.len()).map(|k| if push(k) { FLIGHT } else { unhurried[k] });
+            let durations =
+                (0..program.flies.len()).map(|k| if push(k) { FLIGHT } else { unhurried[k] });
             let durations: Vec<f64> = durations.map(|d| d.clamp(shortest, longest)).collect();
-            rise_in_flight(program, scene, &flights, &durations, &mut nodes);
+            rise_in_flight(program, scene, &durations, &mut nodes);
             durations
         }
         _ => vec![1.0; program.steps.len()],
@@ -337,37 +338,33 @@ fn wrenches_at_rest(
     wrenches
 }
 
-/// Which phases have no contact of the robot with anything.
-fn flights(program: &Program, scene: &Scene) -> Vec<bool> {
-    let mut flights = vec![true; program.steps.len()];
-    let robot =
-        |i: symbolic::InterfaceId| matches!(scene.interfaces[i.0].owner, Owner::Robot { .. });
-    for interval in &program.intervals {
-        let forces = interval.forces.iter();
-        let held = forces.map(|f| f.contact).any(|c| robot(c.a) || robot(c.b));
-        flights[interval.phase] &= !held;
-    }
-    flights
-}
-
-/// Lets the base fly along a parabola, above where it would be otherwise: ½ g s (T − s) at time s of a flight of duration T.
-fn rise_in_flight(
-    program: &Program,
-    scene: &Scene,
-    flights: &[bool],
-    durations: &[f64],
-    nodes: &mut [Vec<f64>],
-) {
-    let mut first = 0;
-    for ((&steps, &flight), duration) in program.steps.iter().zip(flights).zip(durations) {
-        for i in (1..steps).filter(|_| flight) {
-            let s = duration * i as f64 / steps as f64;
-            let up = scene.gravity * (-0.5 * s * (duration - s));
-            for k in 0..3 {
-                nodes[first + i][k] += up[k];
-            }
+/// Lets the base and what the robot holds fly along a parabola, above where they would be otherwise: ½ g s (T − s) at time s of a
+/// flight of duration T.
+fn rise_in_flight(program: &Program, scene: &Scene, durations: &[f64], nodes: &mut [Vec<f64>]) {
+    for (t, interval) in program.intervals.iter().enumerate() {
+        let k = interval.phase;
+        let (first, steps) = (
+            t - program.steps[..k].iter().sum::<usize>(),
+            program.steps[k],
+        );
+        if !program.flies[k] || first == 0 {
+            continue;
         }
-        first += steps;
+        let s = durations[k] * first as f64 / steps as f64;
+        let up = scene.gravity * (-0.5 * s * (durations[k] - s));
+        let contacts = interval.forces.iter().map(|f| f.contact);
+        let owners = contacts.map(|c| [c.a, c.b].map(|i| scene.interfaces[i.0].owner));
+        let held = owners.filter_map(|owners| match owners {
+            [Owner::Robot { .. }, Owner::Object(o)] => Some(program.system.object_q(o)),
+            _ => None,
+        });
+        let moved: BTreeSet<usize> = std::iter::once(0).chain(held).collect();
+        for (first, i) in moved
+            .iter()
+            .flat_map(|first| (0..3).map(move |i| (first, i)))
+        {
+            nodes[t][first + i] += up[i];
+        }
     }
 }
 
@@ -375,6 +372,7 @@ fn rise_in_flight(
 mod tests {
     use super::*;
     use crate::collision::Crossings;
+    use crate::collision::samples::Sequence;
     use crate::motion::{Planner, near};
     use crate::program::Grid;
     use crate::settings::{Preset, Settings};
@@ -440,5 +438,30 @@ mod tests {
         assert!((borne(0) - weight).abs() < 1e-9, "{} N", borne(0));
         let loaded = borne(3) - weight - 0.5 * robot;
         assert!(loaded.abs() < 1e-9, "{} N", borne(3));
+    }
+
+    #[test]
+    fn what_a_robot_holds_flies_with_it() {
+        let mut sequence = Sequence::with_steps("boxes/squeeze_carry.toml", 4);
+        let phases = &mut sequence.phases;
+        phases.truncate(5);
+        // Both feet leave the ground while the hands hold the box.
+        let is_foot = |c: &Contact| sequence.scene.interfaces[c.a.0].role == Role::Foot;
+        let hands = phases[3].state.iter().filter(|c| !is_foot(c));
+        phases[3].state = hands.collect();
+        let planner = Planner::new(&sequence.scene).unwrap();
+        let system = &planner.system;
+        let nodes = vec![system.start(&sequence.scene); 21];
+        let settings = Settings::new(Preset::Default, &sequence.scene.optimiser);
+        let none = Crossings::new();
+        let program = planner.program(phases, &settings, Grid::Motion, near(&nodes, &none));
+        let point = point(&program, &sequence.scene, nodes.clone());
+        let object = system.object_q(0);
+        let up = |t: usize, i: usize| point.nodes[t][i] - nodes[t][i];
+        // Half-way through the flight, ⅛ g T².
+        let highest = 9.81 * FLIGHT.powi(2) / 8.0;
+        assert!((up(14, 2) - highest).abs() < 1e-9, "{} m", up(14, 2));
+        assert!((up(14, object + 2) - highest).abs() < 1e-9);
+        assert_eq!((up(12, object + 2), up(16, object + 2)), (0.0, 0.0));
     }
 }

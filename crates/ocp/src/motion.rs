@@ -24,6 +24,9 @@ pub(crate) const NEW_TOLERANCE: f64 = 1e-3;
 const MISSED_TOLERANCE: f64 = 1e-2;
 /// Violation of such a clearance from which the last solution is no better a start than a coarser grid's motion [m].
 const FAR_OFF: f64 = 0.02;
+/// Barrier parameter with which the motion of a sequence with a flight begins: half the iterations of the solver's own
+/// (benches/runs/2026-12-01-pushes.md).
+const FLIGHT_BARRIER: f64 = 0.5;
 /// Barrier parameter and relaxation with which a repair starts from the last solution.
 const REPAIR_BARRIER: f64 = 1e-3;
 const REPAIR_PUSH: f64 = 1e-4;
@@ -158,9 +161,13 @@ impl First {
         }
     }
 
-    /// The same with the barrier parameter that the settings ask for.
-    fn guessed(settings: &Settings) -> Self {
+    /// The same with the barrier parameter that the settings ask for. Guesses of flights are far from any motion.
+    fn guessed(program: &Program) -> Self {
+        let settings = &program.settings;
         let mut first = Self::cold();
+        if program.flies.contains(&true) {
+            first.options.initial_barrier = FLIGHT_BARRIER;
+        }
         if settings.first_barrier > 0.0 {
             first.options.initial_barrier = settings.first_barrier;
         }
@@ -268,7 +275,8 @@ impl<'a> Planner<'a> {
         let none = Crossings::new();
         let program = self.program(phases, settings, Grid::Motion, near(&nodes, &none));
         let point = guess::point(&program, self.scene, nodes);
-        self.optimise(phases, program, point, First::guessed(settings), observe)
+        let first = First::guessed(&program);
+        self.optimise(phases, program, point, first, observe)
     }
 
     /// The same from a relative ([`Motion::relative`]) if that leads to a motion; `None` if it does not, or if the two share

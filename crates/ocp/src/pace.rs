@@ -5,12 +5,14 @@
 //! phase gets intervals for the time that its distance takes.
 
 use crate::motion::Planner;
-use crate::program::Phase;
+use crate::program::{Phase, flight};
 use crate::settings::Settings;
 
 /// Times the duration T at which, at constant speed v, time costs as much as speed: T = ∫ w v² dt = w Δ²/T. A motion that
 /// begins and ends at rest is faster half-way, and has accelerations to pay for.
 const UNHURRIED: f64 = 2.0;
+/// Time for a push or a landing [s].
+const PUSH: f64 = 0.6;
 /// Most intervals of a phase, in those that it has anyway.
 const MOST: usize = 2;
 
@@ -18,10 +20,17 @@ impl Planner<'_> {
     /// The phases with as many intervals as the distances between their keyframes, `nodes[k]` and `nodes[k + 1]` of phase k,
     /// ask for, and no fewer than they have.
     pub fn paced(&self, phases: &[Phase], settings: &Settings, nodes: &[Vec<f64>]) -> Vec<Phase> {
+        let beside_flights = flight::beside(&flight::flies(self.scene, phases));
         let pairs = phases.iter().zip(nodes.windows(2));
-        let paced = pairs.map(|(phase, ends)| {
+        let paced = pairs.zip(beside_flights).map(|((phase, ends), hurried)| {
             let seconds = UNHURRIED * self.distance(settings, &ends[0], &ends[1]).sqrt();
             let intervals = (seconds.min(settings.max_duration) / settings.max_step).ceil();
+            let push = (PUSH / settings.push_step).ceil();
+            let intervals = if hurried {
+                intervals.max(push)
+            } else {
+                intervals
+            };
             Phase {
                 state: phase.state.clone(),
                 steps: (intervals as usize).clamp(phase.steps, MOST * phase.steps),
@@ -41,19 +50,15 @@ impl Planner<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::collision::samples::Sequence;
     use crate::settings::Preset;
-    use scene::Scene;
-    use symbolic::ContactState;
 
     #[test]
     fn far_apart_keyframes_get_more_intervals_and_at_most_twice_as_many() {
-        let scene = Scene::builtin("pick-place").expect("a built-in scene");
+        let Sequence { scene, mut phases } = Sequence::with_steps("flat/stand.toml", 8);
         let planner = Planner::new(&scene).expect("a model");
         let settings = Settings::new(Preset::Default, &scene.optimiser);
-        let phase = Phase {
-            state: ContactState::default(),
-            steps: 8,
-        };
+        let phase = phases.swap_remove(0);
         let start = planner.system.start(&scene);
         let steps = |settings: &Settings, sink: f64| {
             let mut end = start.clone();
@@ -78,5 +83,16 @@ mod tests {
             8,
             "intervals may be as long as phases"
         );
+    }
+
+    #[test]
+    fn pushes_and_landings_get_intervals_for_what_they_take() {
+        let Sequence { scene, phases } = Sequence::with_steps("flat/jump.toml", 6);
+        let planner = Planner::new(&scene).expect("a model");
+        let settings = Settings::new(Preset::Default, &scene.optimiser);
+        let nodes = vec![planner.system.start(&scene); 4];
+        let paced = planner.paced(&phases, &settings, &nodes);
+        // 0.6 s in intervals of 0.05 s.
+        assert!(paced.iter().all(|phase| phase.steps == 12));
     }
 }

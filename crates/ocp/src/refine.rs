@@ -75,14 +75,19 @@ impl Planner<'_> {
         let durations = &coarse.point.durations;
         let finer: Vec<Phase> = phases
             .iter()
-            .zip(durations.iter().zip(&program.steps))
-            .map(|(phase, (&duration, &steps))| {
+            .zip(
+                durations
+                    .iter()
+                    .zip(program.steps.iter().zip(&program.longest)),
+            )
+            .map(|(phase, (&duration, (&steps, &allowed)))| {
                 let short = duration > KEPT_SHORT * program.settings.max_step * steps as f64;
+                let step = refinement.max_step.min(allowed / steps as f64);
                 let room = if short { MORE_ROOM } else { ROOM };
                 let longest = (room * duration).min(settings.max_duration.max(duration));
                 Phase {
                     state: phase.state.clone(),
-                    steps: steps.max((longest / refinement.max_step).ceil() as usize),
+                    steps: steps.max((longest / step).ceil() as usize),
                 }
             })
             .collect();

@@ -244,6 +244,8 @@ pub struct Settings {
     pub sticking: Sticking,
     /// Longest interval [s], which bounds the phases too; ∞: bounded by the phases only.
     pub max_step: f64,
+    /// The same of flights and of the phases beside them, where it is less.
+    pub push_step: f64,
     /// Shortest phase [s].
     pub min_duration: f64,
     /// Longest phase [s].
@@ -288,6 +290,9 @@ pub const NEARLY_SOLVED: f64 = 3e-3;
 /// Longest interval of a coarse motion of the preset `default` [s]: what explicit Euler does with longer ones is no motion of a
 /// robot. Refinement lets phases grow that this keeps short.
 const LONGEST_STEP: f64 = 0.15;
+/// The same for flights, pushes and landings: a push takes a quarter of a second
+/// (benches/runs/2026-12-01-pushes.md).
+const LONGEST_PUSH_STEP: f64 = 0.05;
 /// Barrier parameter of the preset `default`.
 const BARRIER: f64 = 3e-4;
 /// Barrier parameter of the preset `paper`: costs up to 0.1 % above the optimum, for a quarter fewer iterations
@@ -303,6 +308,11 @@ impl Settings {
             sticking: Sticking::Displacement,
             max_step: if preset == Preset::Default {
                 LONGEST_STEP
+            } else {
+                f64::INFINITY
+            },
+            push_step: if preset == Preset::Default {
+                LONGEST_PUSH_STEP
             } else {
                 f64::INFINITY
             },

@@ -125,7 +125,9 @@ impl<'a> Trials<'a> {
             settings.max_iterations = settings.max_iterations.min(COARSE_ITERATIONS);
             // Longer intervals where there are fewer, so that phases may last as long as those of the sequence.
             let most = phases.iter().map(|phase| phase.steps.max(COARSE_STEPS));
-            settings.max_step *= most.max().unwrap_or(1) as f64 / COARSE_STEPS as f64;
+            let longer = most.max().unwrap_or(1) as f64 / COARSE_STEPS as f64;
+            settings.max_step *= longer;
+            settings.push_step *= longer;
             for phase in &mut phases {
                 phase.steps = phase.steps.min(COARSE_STEPS);
             }

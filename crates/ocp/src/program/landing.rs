@@ -16,7 +16,7 @@ use super::{Builder, FINE_STEP, Grid, PARTS, Phase, Program, Subject};
 use crate::settings::Preset;
 use crate::terms::{PoseTerm, alignment::Tilted, height::Beyond};
 use nalgebra::Vector3;
-use scene::{Owner, Role};
+use scene::Role;
 use symbolic::Contact;
 
 /// Growth of the speed with the time from the contact, a_0 [m/s²], and the same times the square of a phase's duration
@@ -108,7 +108,7 @@ impl Builder<'_> {
             let duration = duration(&self.program, phase.steps);
             let share = (SHARE * phase.steps as f64).ceil() as usize;
             let within = ((BESIDE / dt) as usize).min(share).min(phase.steps - 1);
-            let stands = !self.flies(&phase.state);
+            let stands = !self.program.flies[k];
             let neighbours = [
                 (k.checked_sub(1), false),
                 ((k + 1 < phases.len()).then_some(k + 1), true),
@@ -222,13 +222,6 @@ impl Builder<'_> {
         let signs = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
         let corner = |(i, j)| Vector3::new(i * x, j * y, 0.0);
         signs.map(corner).to_vec()
-    }
-
-    /// Does a contact bear the robot: a foot on anything, or another end-effector on something fixed.
-    pub(super) fn bears(&self, contact: Contact) -> bool {
-        let [a, b] = [contact.a, contact.b].map(|i| &self.scene.interfaces[i.0]);
-        let robot = matches!(a.owner, Owner::Robot { .. });
-        robot && (a.role == Role::Foot || matches!(b.owner, Owner::Static(_)))
     }
 }
 

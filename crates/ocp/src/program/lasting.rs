@@ -36,8 +36,8 @@ impl Builder<'_> {
             rest: false,
         };
         let held = p.has_velocities() && p.settings.integrator == Integrator::ConstantAcceleration;
-        let flight = || phases.iter().any(|phase| self.flies(&phase.state));
-        if !held || p.settings.max_step > SHORT_STEP || t == 0 || !flight() {
+        let short = p.settings.max_step <= SHORT_STEP && p.flies.contains(&true);
+        if !held || !short || t == 0 {
             return always;
         }
         let active = |k: &usize| phases[*k].state.contains(&contact);

@@ -14,11 +14,14 @@ impl Builder<'_> {
         let (motion, states) = (p.grid == Grid::Motion, p.has_velocities());
         p.duration_var = p.structure.n_vars;
         if motion {
-            for &steps in &p.steps {
-                let longest = steps as f64 * p.settings.max_step;
+            for longest in &p.longest {
                 p.structure.n_vars += 1;
-                p.structure.lower.push(p.settings.min_duration.min(longest));
-                p.structure.upper.push(p.settings.max_duration.min(longest));
+                p.structure
+                    .lower
+                    .push(p.settings.min_duration.min(*longest));
+                p.structure
+                    .upper
+                    .push(p.settings.max_duration.min(*longest));
             }
         }
         for t in 0..n {

@@ -110,7 +110,7 @@ impl Builder<'_> {
         let here = 0.5 * (along[t] + along[t + 1]);
         let n = p.n_intervals();
         let active = |t: usize| phases[p.phase_of(t)].state.contains(&contact);
-        let flies = |t: usize| self.flies(&phases[p.phase_of(t)].state);
+        let flies = |t: usize| p.flies[p.phase_of(t)];
         let came = (1..=t).rev().find(|&i| !active(i - 1));
         let came = came.filter(|&i| !flies(i - 1));
         let goes = (t + 1..n).find(|&i| !active(i));
@@ -131,11 +131,6 @@ impl Builder<'_> {
         if share < 1.0 { share } else { 1.0 }
     }
 
-    /// Does nothing bear the robot, whatever it carries.
-    pub(super) fn flies(&self, state: &ContactState) -> bool {
-        !state.iter().any(|c| self.bears(c))
-    }
-
     /// Weight of what a foot's load differs from an equal share: little at the moments at which a foot lands or leaves, so that nobody
     /// falls into a landing to share its load at once.
     pub(super) fn sharing(&self, t: usize, phases: &[Phase]) -> f64 {
@@ -143,7 +138,8 @@ impl Builder<'_> {
         self.program.settings.weights.sharing * away.clamp(LEAST_SHARING, 1.0)
     }
 
-    /// Time from the middle of an interval to the nearest moment at which a foot lands or leaves, in longest steps [s].
+    /// Time from the middle of an interval to the nearest moment at which a foot lands or leaves, in longest steps [s]; those at which
+    /// a flight ends or begins do not count, since all feet share it.
     fn time_to_change_of_feet(&self, t: usize, phases: &[Phase]) -> f64 {
         let p = &self.program;
         let is_foot = |c: &Contact| self.scene.interfaces[c.a.0].role == Role::Foot;
@@ -153,8 +149,9 @@ impl Builder<'_> {
         let here = feet(k);
         let before = (0..k).rev().find(|&i| feet(i) != here);
         let after = (k + 1..phases.len()).find(|&i| feet(i) != here);
-        let since = before.map(|i| t - begin(i + 1));
-        let until = after.map(|i| begin(i) - 1 - t);
+        let stands = |&i: &usize| !p.flies[i];
+        let since = before.filter(stands).map(|i| t - begin(i + 1));
+        let until = after.filter(stands).map(|i| begin(i) - 1 - t);
         let steps = since.into_iter().chain(until).min();
         let steps = steps.map_or(f64::INFINITY, |n| n as f64 + 0.5);
         p.settings.max_step * steps
@@ -191,10 +188,9 @@ impl Builder<'_> {
             let k = p.phase_of(t);
             let begin: usize = p.steps[..k].iter().sum();
             let since = p.settings.max_step * ((t - begin) as f64 + 0.5);
-            let after = since < AFTER_LANDING
-                && self.begins_with_landing(k, phases)
-                && !self.flies(&phases[k - 1].state);
-            let before = self.before_landing(t, phases) && !self.flies(&phases[k].state);
+            let after =
+                since < AFTER_LANDING && self.begins_with_landing(k, phases) && !p.flies[k - 1];
+            let before = self.before_landing(t, phases) && !p.flies[k];
             if self.program.is_fine() && (after || before) {
                 self.program.intervals[t].stage = Stage::Landing;
             }
@@ -269,11 +265,11 @@ mod tests {
     use crate::collision::samples::Sequence;
     use crate::collision::{Clearances, Watched};
     use crate::motion::Planner;
-    use crate::program::Grid;
+    use crate::program::{Grid, Program};
     use crate::settings::{Preset, Settings};
 
-    /// How many intervals of a fine grid are around a landing.
-    fn around_landings(sequence: &str) -> usize {
+    /// The program of a sequence on the finest grid.
+    fn finest(sequence: &str) -> Program {
         let Sequence { scene, phases } = Sequence::with_steps(sequence, 50);
         let planner = Planner::new(&scene).unwrap();
         let coarse = Settings::new(Preset::Default, &scene.optimiser);
@@ -282,6 +278,12 @@ mod tests {
         let clearances = Clearances::Watched(&nothing);
         let program = planner.program(&phases, &settings, Grid::Motion, clearances);
         assert!(program.is_fine());
+        program
+    }
+
+    /// How many intervals of a fine grid are around a landing.
+    fn around_landings(sequence: &str) -> usize {
+        let program = finest(sequence);
         let all = program.intervals.iter();
         all.filter(|interval| interval.stage == Stage::Landing)
             .count()
@@ -291,5 +293,13 @@ mod tests {
     fn the_base_may_fall_before_and_after_the_landing_of_a_jump_but_not_of_a_step() {
         assert!(around_landings("flat/forward_2.toml") > 0);
         assert_eq!(around_landings("flat/jump.toml"), 0);
+    }
+
+    #[test]
+    fn both_feet_share_the_load_of_a_push_until_they_leave() {
+        // Weight of the normal force of a foot in the last interval before both leave the ground, or one does.
+        let weight = |sequence: &str| finest(sequence).intervals[49].forces[0].weights[2];
+        let (jump, walk) = (weight("flat/jump.toml"), weight("flat/forward_2.toml"));
+        assert!(jump > 2.0 * walk, "{jump} {walk}");
     }
 }

@@ -13,6 +13,7 @@
 mod contacts;
 mod costs;
 mod dynamics;
+pub(crate) mod flight;
 mod forces;
 mod goal;
 mod idle;
@@ -89,6 +90,10 @@ pub struct Program {
     pub grid: Grid,
     /// Steps per phase (1 for keyframes).
     pub steps: Vec<usize>,
+    /// In which phases nothing bears the robot, whatever it carries.
+    pub flies: Vec<bool>,
+    /// What its intervals let each phase last [s].
+    pub longest: Vec<f64>,
     /// All relative frames.
     pub frames: Vec<RelativeFrame>,
     /// Nodes 0 … N.
@@ -191,12 +196,15 @@ impl Program {
                 structure: Structure::default(),
                 labels: vec![],
                 steps,
+                flies: vec![],
+                longest: vec![],
             },
             keys: vec![],
             labels: vec![vec![]; n],
             start: Kinematics::new(&system.model),
         };
         builder.start.update(&system.model, &system.start(scene));
+        builder.flights(phases);
         builder.scales(phases);
         builder.intervals();
         builder.rests(phases);
