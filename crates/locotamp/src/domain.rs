@@ -168,7 +168,8 @@ const STEEP: f64 = 8.0;
 const RAISED: f64 = 1.0;
 const CLEARLY: f64 = 0.02;
 
-/// Costs by which sequences are ordered. Where the base is to get high, new surfaces and manipulation are what may help.
+/// Costs by which sequences are ordered. Where the base is to get high, new surfaces and manipulation are what may help; without torque
+/// limits, jumps too.
 pub(crate) fn costs(scene: &Scene) -> Costs {
     let mut costs = Costs::default();
     if scene.objective == Objective::BaseHeight {
@@ -178,6 +179,9 @@ pub(crate) fn costs(scene: &Scene) -> Costs {
             turn: 0.0,
             ..costs
         };
+    }
+    if !scene.optimiser.torque_limits {
+        costs.flight = costs.simultaneous;
     }
     if raises_a_foot(scene) {
         costs.end_in_swing = RAISED;

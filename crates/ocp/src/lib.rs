@@ -30,6 +30,7 @@ mod relative;
 mod relative_motion;
 mod resistance;
 mod resting;
+mod rounds;
 mod settings;
 mod slip;
 mod stagnation;

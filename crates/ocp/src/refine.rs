@@ -5,9 +5,10 @@
 
 use crate::collision::Crossings;
 use crate::guess::Curve;
-use crate::motion::{First, Motion, Planner, near};
+use crate::motion::{Motion, Planner, near};
 use crate::point::Point;
 use crate::program::{Grid, Phase};
+use crate::rounds::First;
 use crate::settings::{Ending, Integrator, Settings, Sticking, Weights};
 use solver::Iteration;
 

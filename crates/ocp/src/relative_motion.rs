@@ -8,9 +8,10 @@
 use crate::collision::Crossings;
 use crate::guess;
 use crate::keyframes::Ask;
-use crate::motion::{First, Motion, Planner, near};
+use crate::motion::{Motion, Planner, near};
 use crate::point::Point;
 use crate::program::{Grid, Phase, Program, RowLabel};
+use crate::rounds::First;
 use crate::settings::Settings;
 use solver::{Norm, Options, Report};
 use symbolic::ContactState;

@@ -12,6 +12,7 @@ use super::{Run, reward};
 use crate::api::{Attempt, Event, Reached};
 use crate::journal::Tried;
 use crate::summary;
+use multibody::Kinematics;
 use ocp::{Keyframes, Phase, Relative};
 use scene::{Objective, Owner, Role};
 use symbolic::search::Rejected;
@@ -45,9 +46,10 @@ const STRAIN: f64 = 16.0;
 const EASY_LEAN: f64 = 0.28;
 const MOST_LEAN: f64 = 4.0;
 const LEAN: f64 = 30.0;
-/// What a phase in flight adds: as much as six foot swings, like [`symbolic::Costs`]. Keyframes see none of what a jump takes.
+/// What a phase in flight adds where torques are limited: as much as six foot swings, like [`symbolic::Costs`]. Keyframes see none of
+/// what a jump takes.
 const FLIGHT: f64 = 18.0;
-/// Height by which a motion may end above its keyframes [m]: those are near the home posture at the end, motions stretch.
+/// Height by which a motion may end above its keyframes or above the posture of the start [m]: motions stretch.
 const HEIGHT_ROOM: f64 = 0.12;
 
 /// What the work of keyframes grows with.
@@ -270,7 +272,7 @@ impl Run<'_> {
         let balanced = self.promise_from_balanced(&phases);
         let less = balanced.filter(|(other, _)| *other < promise);
         let (promise, nodes) = less.unwrap_or((promise, keyframes.nodes));
-        if let Some(reason) = self.too_low(&nodes) {
+        if let Some(reason) = self.too_low(sequence, &nodes) {
             self.leave_out(number, sequence, Reached::Keyframes, Some(reason), clock);
             return None;
         }
@@ -306,7 +308,12 @@ impl Run<'_> {
         let flights = phases.iter().filter(|p| self.flies(&p.state)).count();
         let leans = self.shop.planner.leans(phases, nodes);
         let far = |lean: &f64| lean.clamp(EASY_LEAN, MOST_LEAN) - EASY_LEAN;
-        LEAN * leans.iter().map(far).sum::<f64>() + FLIGHT * flights as f64
+        let flight = if self.shop.settings.torque_limits {
+            FLIGHT
+        } else {
+            0.0
+        };
+        LEAN * leans.iter().map(far).sum::<f64>() + flight * flights as f64
     }
 
     /// True if no foot has contact, and no hand with what is fixed.
@@ -331,16 +338,34 @@ impl Run<'_> {
         ))
     }
 
-    /// Where the base is to get high: why keyframes cannot lead higher than the best plan.
-    fn too_low(&self, nodes: &[Vec<f64>]) -> Option<String> {
+    /// Where the base is to get high: why a sequence cannot lead higher than the best plan.
+    fn too_low(&self, sequence: &Sequence, nodes: &[Vec<f64>]) -> Option<String> {
         if self.shop.planner.scene.objective != Objective::BaseHeight {
             return None;
         }
-        let height = |nodes: &[Vec<f64>]| nodes.last().map_or(f64::NEG_INFINITY, |q| q[2]);
-        let best = self.diverse.best()?;
-        let (now, before) = (height(nodes), height(&best.motion.point.nodes));
-        let low = now < before - HEIGHT_ROOM;
-        low.then(|| format!("the base ends at {now:.2} m at most, a plan is at {before:.2} m"))
+        let best = self.diverse.best()?.motion.point.nodes.last()?[2];
+        let now = self.highest_end(sequence.states.last()?, nodes.last()?);
+        let low = now < best - HEIGHT_ROOM;
+        low.then(|| format!("the base ends at {now:.2} m at most, a plan is at {best:.2} m"))
+    }
+
+    /// Height at which the base ends in a configuration, or standing upright on the lower one of its feet [m].
+    fn highest_end(&self, state: &ContactState, q: &[f64]) -> f64 {
+        let planner = &self.shop.planner;
+        let mut kinematics = Kinematics::new(&planner.system.model);
+        kinematics.update(&planner.system.model, q);
+        let interfaces = state.iter().map(|c| &planner.scene.interfaces[c.a.0]);
+        let feet = interfaces.filter(|a| a.role == Role::Foot);
+        let height = |foot| {
+            planner
+                .system
+                .world_from_interface(foot, &kinematics)
+                .origin()
+                .z
+        };
+        let ground = feet.map(height).reduce(f64::min);
+        let upright = ground.map(|ground| ground + ocp::base_height(planner.scene));
+        upright.unwrap_or(q[2]).max(q[2])
     }
 
     /// Takes note of a sequence that is not optimised.
